@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Asks a server for scans whose keys name files of its machine, and watches what it opens.
+"""Requests scans whose keys name files of the server's machine, and watches which files the server opens.
 
     .ci/canary.py target/debug/nextview
 
-Every key of the schema of `POST /scans`, whatever its kind, is given in requests of their own the path of a file, of a
-folder and of nothing. The answers must be the same but for the path, and under `strace` the server may open nothing
-outside the folder that it serves, nor anything of a canary's name. Fails if it does. Needs strace (Debian: strace).
+Every key of the schema of `POST /scans`, whatever its kind, is set in separate requests to the path of a file, of a
+folder, and to a path that does not exist. The answers must be the same but for the path, and under `strace` the
+server may open nothing outside the folder that it serves, nor anything of a canary's name. Fails if it does. Needs
+strace (Debian: strace).
 """
 
 import http.client
@@ -87,7 +88,7 @@ def main():
         process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         problems, n = [], 0
         try:
-            address = process.stdout.readline().removeprefix("listens on http://").strip()
+            address = process.stdout.readline().removeprefix("listening on http://").strip()
             description = json.loads(ask(address, "GET", "/openapi.json")[1])
             schema = description["paths"]["/scans"]["post"]["requestBody"]["content"]["application/json"]["schema"]
             found = sorted(set(keys(description, schema)), key=str)

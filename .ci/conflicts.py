@@ -3,12 +3,12 @@
 
     .ci/conflicts.py target/release/nextview [--pairs 10000] [--seed 1]
 
-Both requests of a pair are sent by threads of their own, the second a little later or earlier than the first: the
-delays sweep from -4 to 4 ms. Many pairs, each with scans of its own, are sent to one server, which is then killed
+The requests of a pair are sent by two threads, the second a little later or earlier than the first: the
+delays sweep from -4 to 4 ms. Many pairs, each with its own scans, are sent to one server, which is then killed
 (SIGKILL), while requests are under way in every second round. After the restart, every frame that was acknowledged
 must be there and count once, every scan that was acknowledged and not deleted must answer, with the scan that it
 continues, and no scan whose deletion was acknowledged may be back. Prints a table of all pairs with their answers;
-fails if anything was lost, or an answer is none that a client could expect.
+fails if anything was lost, or if a client could not expect an answer.
 """
 
 import argparse
@@ -183,7 +183,7 @@ PAIRS = {
 
 
 def made(book, scan, frame):
-    """Creates a scan, and posts to it whoever created it."""
+    """Creates a scan, and posts to it even if another client created it."""
     status = book.do("create", scan)
     book.do("post", scan, frame)
     return status
@@ -233,7 +233,7 @@ def start(program, folder):
                "--max-memory-mb", "8192", "--dir", folder]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     line = process.stdout.readline()
-    if not line.startswith("listens on http://"):
+    if not line.startswith("listening on http://"):
         sys.exit(f"the server does not start: {line}{process.stderr.read()}")
     return process, Client(line.split("http://")[1].strip())
 
@@ -246,7 +246,7 @@ def lost(client, scans):
     for name, scan in scans.items():
         if scan.is_deleted:
             if name in ids and not scan.may_be_deleted:
-                found.append(f"{name} was deleted and is back")
+                found.append(f"{name} was deleted, but is back")
             continue
         if not scan.is_created or (scan.may_be_deleted and name not in ids):
             continue

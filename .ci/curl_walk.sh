@@ -19,7 +19,7 @@ until grep -q '^page: ' printed; do
     kill -0 $server
     sleep 0.05
 done
-address=$(sed -n 's/^listens on //p' printed)
+address=$(sed -n 's/^listening on //p' printed)
 
 curl --fail -s "$address/openapi.json" -o openapi.json
 "$python" -m openapi_spec_validator openapi.json

@@ -7,5 +7,5 @@ if "${as_root[@]}" apt-get update -qq &&
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null; then
     echo "installed $*"
 else
-    echo "cannot install $* here: going on without, what needs them will be SKIPPED or fail"
+    echo "cannot install $* here: continuing without it; checks that need it will be SKIPPED or fail"
 fi

@@ -3,10 +3,11 @@
 
     .ci/limits.py target/release/nextview [--quick]
 
-Limits: 64 open files, 300 MB of address space, files of 16 kB, no more threads, a full file system of 64 kB (where this
-process may mount one). A command must do its work or end with an error on stderr and code 1 or 2: no panic, no signal. Its
-input stays as it was, no unfinished file is left, and every frame or run that it acknowledged is still there. The same
-command without the limit then does its work with what is left. Prints a table; fails if any of this is not so.
+Limits: 64 open files, 300 MB of address space, files of 16 kB, no more threads, a full file system of 64 kB (where
+this process may mount one). A command must do its work or end with an error on stderr and code 1 or 2: no panic, no
+signal. Its input stays as it was, no unfinished file is left, and every frame or run that it acknowledged is still
+there. The same command without the limit then finishes the work. Prints a table; fails if any of this is not the
+case.
 
 All run with MALLOC_ARENA_MAX=2, as docs/robustness.md advises for a limited address space.
 """
@@ -183,7 +184,7 @@ def check_command(commands, name, limit, out):
             faults.append(f"cannot be finished afterwards: {finished.stderr.decode()[-300:]}")
         if name.startswith("scan"):
             printed = len(re.findall(rb"^ +\d+ +\d+ .*%", done.stdout, re.MULTILINE))
-            told = re.search(rb"resumes after (\d+) frame", finished.stdout + finished.stderr)
+            told = re.search(rb"resuming after (\d+) frame", finished.stdout + finished.stderr)
             if printed > (int(told[1]) if told else 0):
                 faults.append(f"{printed} frames were acknowledged, then {told and told[1]}")
         if n_kept(again) < kept:
@@ -209,7 +210,7 @@ def check_server(commands, limit, out):
             command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=prepare, cwd=commands.data
         )
         line = process.stdout.readline().decode()
-        client = soak.Client(line.removeprefix("listens on ").strip()) if line else None
+        client = soak.Client(line.removeprefix("listening on ").strip()) if line else None
         return process, client
 
     process, client = start(under(limit))

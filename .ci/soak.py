@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Kills the program again and again, at any instant, and compares what comes of it with what nobody disturbed.
+"""Kills the program again and again, at any instant, and compares the results with those of undisturbed runs.
 
     .ci/soak.py target/release/nextview [--kills 1000] [--seed 1]
 
 A third each of the kills (SIGKILL) is for scans, for campaigns and for a server to which frames are posted. What was
 killed is resumed, and killed again, until it is done; then its files must be those of an undisturbed run, byte for
 byte, except for the times in some of them and the end of a journal that a kill cut off. Nothing that was acknowledged
-may be gone: a frame that a scan printed or that the server answered, a run that a campaign stored. A frame that is
-sent again under its id must count once. Prints one table; fails if anything was lost or differs.
+may be lost: a frame that a scan printed or that the server answered, a run that a campaign stored. A frame that is
+sent again with its id must count once. Prints one table; fails if anything was lost or differs.
 """
 
 import argparse
@@ -144,7 +144,7 @@ class Scans:
         command = self.resume if is_resumed else [*self.begin, self.out]
         n_more, seconds = instant(rng, self.seconds)
         is_done = killed(command, self.printed, lambda: n_frames(self.printed) >= self.known + n_more, seconds)
-        told = re.search(r"resumes after (\d+) frame", self.printed.read_text())
+        told = re.search(r"resuming after (\d+) frame", self.printed.read_text())
         if told:
             row.lost += max(self.known - int(told[1]), 0)
         known = max(n_frames(self.printed), self.known)
@@ -279,7 +279,7 @@ class Servers:
     def start(self, folder):
         process = subprocess.Popen([*self.command, folder], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         line = process.stdout.readline()
-        return process, Client(line.removeprefix("listens on ").strip()) if line else None
+        return process, Client(line.removeprefix("listening on ").strip()) if line else None
 
     def kill_once(self, rng):
         process, client = self.start(self.dir)

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Two of everything on one folder, killed at any instant: no frame that was acknowledged may be gone.
+"""Two processes on one folder, killed at any instant: no acknowledged frame may be lost.
 
     .ci/two.py target/release/nextview [--rounds 1000] [--seed 1] [--python PYTHON]
 
 Each round starts two processes on the same folder at nearly the same time, two servers, a server and a program, two
-programs, or a server and Python, and kills both (SIGKILL) at random instants, one after the other. Then the journal is
-read here, without nextview: it must hold every frame that either of them acknowledged. One of the two has to refuse,
-and to say why. Scans that come to their end must have the results of an undisturbed one. Prints a table; fails if
-anything was lost or differs. Server and Python needs an interpreter that has the package; without, it is skipped.
+programs, or a server and Python, and kills both (SIGKILL) at random instants, one after the other. Then the journal
+is read here, without nextview: it must hold every frame that either of them acknowledged. One of the two must refuse
+and give the reason. Scans that finish must have the results of an undisturbed one. Prints a table; fails if anything
+was lost or differs. Server and Python needs an interpreter with the package, or it is skipped.
 """
 
 import argparse
@@ -30,8 +30,8 @@ import soak
 
 # What the second of two may say, and nothing else.
 REFUSALS = re.compile(
-    r"is being scanned right now|it is open already|holds an interrupted scan|holds no interrupted scan|holds results already"
-    r"|frames of this scan come from a user's camera|is served by another server already|holds a scan of simulated or recorded frames"
+    r"is in use by a running scan|it is already open|holds an interrupted scan|holds no interrupted scan|already holds results"
+    r"|frames of this scan come from a user's camera|is already served by another server|holds a scan of simulated or recorded frames"
 )
 
 
@@ -44,7 +44,7 @@ def kept(folder):
         lines = steps.read_text().splitlines() if steps.exists() else []
         return [{"view": step["view"], "name": step.get("frame")} for step in map(json.loads, lines)]
     if data[:8] != b"nvframes":
-        sys.exit(f"{path} is no journal")
+        sys.exit(f"{path} is not a journal")
     frames, at, number = [], 8, 0
     while at + 8 <= len(data):
         length, checksum = struct.unpack_from("<II", data, at)
@@ -186,7 +186,7 @@ class Servers:
             codes.append(process.kill())
         for client in clients:
             client.join()
-        listening = sum("listens on" in process.out.read_text() for process in processes if self.is_server(process))
+        listening = sum("listening on" in process.out.read_text() for process in processes if self.is_server(process))
         self.row.both += listening == 2
         self.row.refused += sum(process.was_refused(code) for process, code in zip(processes, codes))
         self.note_others(processes)
@@ -231,7 +231,7 @@ class Servers:
         """Posts frames until it is killed, or the scan is finished."""
         try:
             while process.process.poll() is None:
-                found = re.search(r"listens on (\S+)\n", process.out.read_text())
+                found = re.search(r"listening on (\S+)\n", process.out.read_text())
                 if found:
                     return self.post_all(soak.Client(found[1]))
                 time.sleep(0.002)
@@ -354,7 +354,7 @@ def main():
     parser.add_argument("program", type=pathlib.Path)
     parser.add_argument("--rounds", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--python", type=pathlib.Path, help="an interpreter that has the package nextview")
+    parser.add_argument("--python", type=pathlib.Path, help="an interpreter with the package nextview")
     args = parser.parse_args()
     rng = random.Random(args.seed)
     start = time.monotonic()
@@ -381,11 +381,11 @@ def main():
     print(f"seed {args.seed}, {time.monotonic() - start:.0f} s")
     both = sum(row.both for row in rows)
     if both:
-        sys.exit(f"{both} times two servers served one folder")
+        sys.exit(f"{both} times, two servers served one folder")
     if sum(row.lost + row.differing for row in rows):
         sys.exit("something was lost or differs")
     if any(row.rounds > 20 and not row.refused for row in rows):
-        sys.exit("nobody was ever refused: the two did not meet")
+        sys.exit("no process was ever refused: the two did not meet")
 
 
 if __name__ == "__main__":

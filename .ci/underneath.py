@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
-"""Changes files underneath an open scan, and a folder of scans between two starts.
+"""Changes files of an open scan, and a folder of scans between two starts.
 
     .ci/underneath.py target/release/nextview [--python PYTHON] [--node NODE CAMERA]
 
-While a scan is open and has frames, its folder or its journal is removed, replaced by a copy, moved, or made read-only;
-then it is given another frame. A cell of the table is "refused" if that was an error which says what happened, and
-"kept" if it was acknowledged and is on the disk. What was put back must go on with all frames. Then the frames or the
-record of a finished scan are changed, and a scan is begun that goes on after it. Last, folders of scans are reached
-under another spelling, from another working directory, and at another place. Fails if an acknowledged frame is gone, or
-an error says something else. As root, the processes run as another user, whom permissions bind.
+While a scan is open and has frames, its folder or its journal is removed, replaced by a copy, moved, or made
+read-only; then it is given another frame. A cell of the table is "refused" if that was an error that states what
+happened, and "kept" if it was acknowledged and is on the disk. If the change is undone, the scan must continue with
+all frames. Then the frames or the record of a finished scan are changed, and a scan is started that continues it.
+Last, folders of scans are reached under another spelling, from another working directory, and at another place. Fails
+if an acknowledged frame is lost, or an error states something else. As root, the processes run as another user, whom
+permissions bind.
 
-Python needs an interpreter that has the package, the node one that has cyclonedds; without, they are skipped.
+Python needs an interpreter with the package, the node one with cyclonedds, or they are skipped.
 """
 
 import argparse
@@ -49,7 +50,7 @@ class Server:
     def start(self, folder, cwd):
         command = [self.program, "serve", "--listen", "127.0.0.1:0", "--dir", folder]
         self.process = popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, cwd=cwd)
-        self.client = soak.Client(self.process.stdout.readline().removeprefix("listens on ").strip())
+        self.client = soak.Client(self.process.stdout.readline().removeprefix("listening on ").strip())
 
     def begin(self, name, config=TABLE, **more):
         self.scan = name
@@ -372,7 +373,7 @@ def moved_data(tools, work):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program", type=pathlib.Path)
-    parser.add_argument("--python", type=pathlib.Path, help="an interpreter that has the package nextview")
+    parser.add_argument("--python", type=pathlib.Path, help="an interpreter with the package nextview")
     parser.add_argument("--node", nargs=2, help="the node, and the simulated camera of its checks")
     tools = parser.parse_args()
     tools.program = tools.program.absolute()

@@ -36,7 +36,7 @@ if $is_recording; then
     exit
 fi
 head -n 1 "$scratch/counts.csv" | cmp -s - <(head -n 1 benchmarks/instructions.csv) ||
-    echo "another compiler than the record's: $(head -n 1 benchmarks/instructions.csv)" >&2
+    echo "the compiler differs from that of the record: $(head -n 1 benchmarks/instructions.csv)" >&2
 awk -F';' '
     /^#/ { next }
     { count = $NF; stage = substr($0, 1, length($0) - length(count) - 1) }

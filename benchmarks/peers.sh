@@ -36,7 +36,7 @@ build() {
 # Arguments: name of the peer, reason.
 leave_out() {
     rm -f "$peers/$1"
-    echo "left out: $1, $2" >&2
+    echo "skipped: $1, $2" >&2
 }
 
 # Runs a command on one core, where the system can do that.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that the published tables are what this program finds: some of their entries, measured again.
+"""Checks that this program reproduces the published tables: measures some of their entries again.
 
     benchmarks/sample.py target/release/nextview                   # a few entries of each table; exit code 1 if a digit differs
     benchmarks/sample.py target/release/nextview --turn 7          # the next ones: each turn takes those after the last turn's

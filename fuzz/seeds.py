@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Writes the seeds of the fuzzer, a folder for each target: what the program writes, and small files of other tools' formats.
+"""Writes the seeds of the fuzzer, a folder for each target: output of the program, and small files in other tools' formats.
 
     fuzz/seeds.py target/debug/nextview
 
-Python's standard library only. The seeds are in the repository; this is how they were made.
+Python's standard library only. The seeds are in the repository; this script made them.
 """
 
 import io

@@ -54,4 +54,4 @@ until grep -q '^page: ' printed; do
     kill -0 $server
     sleep 0.05
 done
-"$venv/bin/python" examples/09_server.py "$(sed -n 's/^listens on //p' printed)"
+"$venv/bin/python" examples/09_server.py "$(sed -n 's/^listening on //p' printed)"

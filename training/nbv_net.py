@@ -51,9 +51,9 @@ def convert(args):
 
 def main():
     parser, commands, training = NbvNet().commands(__doc__, epochs=12, batch=64, step=1e-3)
-    training.add_argument("--dropout", type=float, default=0.1, help="share of the units that are left out")
+    training.add_argument("--dropout", type=float, default=0.1, help="share of units that are dropped")
     training.set_defaults(options=["epochs", "batch", "step", "dropout", "seed"])
-    command = commands.add_parser("convert", help="make safetensors of weights that the published program saved (.pth)")
+    command = commands.add_parser("convert", help="convert weights saved by the published program (.pth) to safetensors")
     command.set_defaults(run=convert)
     command.add_argument("weights", type=Path, help="a .pth file")
     command.add_argument("out", type=Path, help="a .safetensors file")

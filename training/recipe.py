@@ -96,7 +96,7 @@ class Recipe:
         learned, validation, test = parts
         print("samples: {} to learn from, {} to validate with, {} to test with".format(*map(len, parts)))
         if not all(map(len, parts)):
-            sys.exit("error: too few objects to learn from and to judge by\nhint: --objects 100 is enough for a try")
+            sys.exit("error: too few objects for training and evaluation\nhint: --objects 100 is enough for a try")
         model = self.model(args)
         with open(args.out.with_suffix(".csv"), "w", newline="") as file:
             best = self.fit(model, learned, validation, args, file)
@@ -161,7 +161,7 @@ class Recipe:
         print(f"\nwritten: {args.out} ({'half' if is_half else 'single'} precision)")
 
     def report(self, views, test):
-        """Tells how good these views are, beside the best and beside random ones."""
+        """Prints how good these views are, compared with the best and with random ones."""
         rows = [("the network", *self.score(views, test)), ("the labels", *self.score(test.labels, test))]
         n = test.gains.shape[1]
         rows.append(("random", 1 / n, test.shares.mean().item()))
@@ -195,14 +195,14 @@ class Recipe:
         command = commands.add_parser("train", help="learn weights from a data set")
         command.set_defaults(run=self.train, options=["epochs", "batch", "step", "seed"])
         command.add_argument("data", type=Path, help="folder of the data set")
-        command.add_argument("out", type=Path, help="file for the weights (.safetensors); beside it, the learning curve (.csv)")
+        command.add_argument("out", type=Path, help="file for the weights (.safetensors); the learning curve (.csv) is written next to it")
         command.add_argument("--epochs", type=int, default=epochs)
         command.add_argument("--batch", type=int, default=batch)
-        command.add_argument("--step", type=float, default=step, help="length of the longest steps (Adam, one cycle)")
+        command.add_argument("--step", type=float, default=step, help="maximum learning rate (Adam, one cycle)")
         command.add_argument("--seed", type=int, default=0)
-        command.add_argument("--threads", type=int, default=1, help="another number may round in another order; more than there are idle cores cost time")
+        command.add_argument("--threads", type=int, default=1, help="another number may round in another order; more threads than idle cores cost time")
         training = command
-        command = commands.add_parser("reference", help="write what the framework gives for the first samples of a data set")
+        command = commands.add_parser("reference", help="write the framework's outputs for the first samples of a data set")
         command.set_defaults(run=self.reference)
         command.add_argument("data", type=Path)
         command.add_argument("weights", type=Path, help="a .safetensors file")

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Objects that are turned once: how much of the whole surface a model has before and after, and how right the turn is.
+"""Objects that are turned once: the share of the whole surface in the model before and after, and the error of the turn.
 
     benchmarks/flips/flips.py target/release/nextview OUT                        # ten objects; OUT/flips.md has the tables
     benchmarks/flips/flips.py target/release/nextview OUT lm/lm_obj_000009_duck.ply ...
 
-Every object is scanned at its true size with the noise of a D435i on a table that is found, ten views at most; turned as the
-results ask for, and by chance about the vertical; and scanned on. After that, every object is scanned after the results of the
-object before it in the list: such a turn is wrong, whatever is found. Scans that were done before are read again. The meshes are
-in the folder that NEXTVIEW_DATA names.
+Every object is scanned at its true size with the noise of a D435i on a table that is found, ten views at most; turned
+as the results request, and at random about the vertical; and scanned again. After that, every object is scanned as a
+continuation of the results of the previous object in the list: any turn found is wrong. Scans that were done before
+are read again. The meshes are in the folder that NEXTVIEW_DATA names.
 """
 
 import argparse

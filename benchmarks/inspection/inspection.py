@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""How much of a part is measured as it is to be seen, by views that are planned for that and by others.
+"""The share of a part that is measured as required, by views planned for inspection and by others.
 
     benchmarks/inspection/inspection.py target/release/nextview OUT              # eight parts; OUT/inspection.md has the table
     benchmarks/inspection/inspection.py target/release/nextview OUT tless/tless_10.ply ...
 
-Every part is scanned at its true size with the noise of a D435i on a table that is found, after 4, 8 and 12 views. All of its
-surface is to be seen within 45 degrees of its normal, with a point on each square millimetre, in one picture. The planner of
-inspections has the part's mesh as CAD model, in another place, and does not know where the part stands; `looks` is the default
-planner, asked for a look like that at all it finds. Random views are the mean of two scans. No scan stops by itself. Shares are of
-what any candidate could show like that. Needs trimesh. Scans that were done before are read again. The meshes are in the folder that
-NEXTVIEW_DATA names.
+Every part is scanned at its true size with the noise of a D435i on a table that is found, after 4, 8 and 12 views.
+All of its surface must be seen within 45 degrees of its normal, with a point on each square millimetre, in one
+picture. The planner of inspections has the part's mesh as CAD model, in another place, and does not know where the
+part stands; `looks` is the default planner, with such a look required for everything it finds. Random views are the
+mean of two scans. No scan stops by itself. Shares are of the surface that any candidate could show in this way. Needs
+trimesh. Scans that were done before are read again. The meshes are in the folder that NEXTVIEW_DATA names.
 """
 
 import argparse
@@ -68,7 +68,7 @@ def cad_model(mesh, out):
 
 
 def inspected(program, out, mesh, planner, seed, views):
-    """The share of the surface that was measured as demanded, and that which any candidate could show."""
+    """The share of the surface that was measured as required, and the share that any candidate could show."""
     folder, report = out / f"{mesh.stem}-{planner}-{seed}-{views}", out / f"{mesh.stem}-{planner}-{seed}-{views}-report"
     if not (report / "inspection.json").exists():
         shutil.rmtree(folder, ignore_errors=True)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What models of objects at their true size are worth: expected against true error per point, and in how many parts meshes are.
+"""Quality of models of objects at their true size: expected against true error per point, and the number of parts of the meshes.
 
     benchmarks/model/model.py target/release/nextview OUT       # scans that were done before are read again
 
@@ -50,7 +50,7 @@ def cloud(path):
 
 
 def ratios(folder, mesh):
-    """Root mean square of the true over the expected error, in bins of as many points by the expected one."""
+    """Root mean square of the ratio of true and expected error, in bins of equal size by the expected error."""
     points = cloud(folder / "cloud.ply")
     points = points[points["error_m"] > 0]
     chosen = points[numpy.random.default_rng(0).permutation(len(points))[:N_POINTS]]

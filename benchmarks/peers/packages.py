@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Times Open3D and small_gicp on a workload: packages.py WORKLOAD PACKAGE
 
-Prints lines PEER,STAGE,CASE,MILLISECONDS: the least CPU time of several runs, of one thread. Needs numpy and the package.
+Prints lines PEER,STAGE,CASE,MILLISECONDS: the minimum CPU time of several runs with one thread. Needs numpy and the package.
 """
 
 import os
@@ -23,7 +23,7 @@ N_IMAGES = 10
 
 
 def least_ms(work, min_runs=3):
-    """The least CPU time of several runs, milliseconds; once with the variable QUICK."""
+    """Minimum CPU time of several runs, milliseconds; of one run with the variable QUICK."""
     least, spent, runs = float("inf"), 0.0, 0
     quick = "QUICK" in os.environ
     while runs < (1 if quick else min_runs) or (spent < 0.5 and not quick):

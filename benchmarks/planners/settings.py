@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Every planner in eight settings: voxels of 5 mm and 1 cm, all around and on a table, without noise and with it.
+"""Every planner in eight settings: voxels of 5 mm and 1 cm, all around and on a table, with and without noise.
 
-    benchmarks/planners/settings.py target/release/nextview OUT MESH ...                         # all eight; resumes what was begun
+    benchmarks/planners/settings.py target/release/nextview OUT MESH ...                         # all eight; resumes unfinished ones
     benchmarks/planners/settings.py target/release/nextview OUT MESH ... --only 5mm 5mm-table-noise
     benchmarks/planners/settings.py target/release/nextview OUT MESH ... --spec headline         # another file of this folder
 
@@ -50,10 +50,10 @@ def with_interval(cell):
 
 def measures(report):
     """By variant, the cells of a setting's table."""
-    reached = table(report, "What was reached with the last view", ["skill", "reachable coverage, %"])
+    reached = table(report, "Results after the last view", ["skill", "reachable coverage, %"])
     lowest = table(report, "The worst object", ["skill"])
     views = table(report, "Views until this share", ["95 %"])
-    model = table(report, "What the map and the cloud have", ["F-score of the cloud at 2 mm, %", "Chamfer distance of the cloud, mm"])
+    model = table(report, "Final map and cloud", ["F-score of the cloud at 2 mm, %", "Chamfer distance of the cloud, mm"])
     mean = lambda cell: re.match("(≥ )?[^ ]*", cell)[0]
     return {
         name: [with_interval(skill), *lowest[name], mean(*views[name]), mean(coverage), *map(mean, model[name])]

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Our planners under the protocols of others: ObjView-Bench (arXiv 2605.10707) and PB-NBV (arXiv 2501.10663).
 
-    benchmarks/protocols/protocols.py target/release/nextview OUT objview MESH...                     # resumes what was begun
+    benchmarks/protocols/protocols.py target/release/nextview OUT objview MESH...                     # resumes an unfinished campaign
     benchmarks/protocols/protocols.py target/release/nextview OUT pb-nbv MESH... --reach half hemisphere
 
 Runs the built-in specification of that name, with the candidates that are within each reach, and writes OUT/PROTOCOL.md.
@@ -121,7 +121,7 @@ def pb_nbv(campaign, report):
     for row in rows_of(campaign / "times.csv"):
         if row["step"] not in ("", "1"):
             times.setdefault(row["variant"], []).append(float(row["plan_time_ms"]))
-    reached = settings.table(report, "What was reached with the last view", ["surface coverage within 5 mm, %"])
+    reached = settings.table(report, "Results after the last view", ["surface coverage within 5 mm, %"])
     head = ["planner", "surface within 5 mm after 10 views, %", "lowest", "median time of a decision, ms"]
     found = steps_of(campaign)
     last = {variant: by_object(objects, lambda _, steps: float(steps[-1]["surface_coverage_5mm"])) for variant, objects in found.items()}

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The benchmark of reality: objects at their true size, depth noise, a table that is found, a box that grows, wrong poses.
+"""The benchmark of reality: objects at their true size, depth noise, a table to be found, a growing box, wrong poses.
 
-    benchmarks/reality/reality.py target/release/nextview OUT                    # all objects, resumes what was begun
+    benchmarks/reality/reality.py target/release/nextview OUT                    # all objects, resumes an unfinished campaign
     benchmarks/reality/reality.py target/release/nextview OUT --only tless mug   # objects whose names contain one of these
     benchmarks/reality/reality.py target/release/nextview OUT --planners most-surface random --errors 2
 

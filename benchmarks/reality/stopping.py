@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""When scans of objects at their true size stop by themselves, and what more views would have shown.
+"""When scans of objects at their true size stop, and what more views would have shown.
 
-    benchmarks/reality/stopping.py target/release/nextview OUT                  # 22 objects, resumes what was begun
+    benchmarks/reality/stopping.py target/release/nextview OUT                  # 22 objects, resumes an unfinished campaign
     benchmarks/reality/stopping.py target/release/nextview OUT --only mug tless # objects whose names contain one of these
 
-Every second object of the benchmark of reality, up to 30 views, poses off by 2 mm and 0.2 degrees: once with the stop rules
-by default, and once with no rule but that no view gains anything. The best stop, known afterwards, is the first view after
-which six more add less than a point of reachable coverage. OUT/stopping.md has the table, OUT/campaign/report.html
-the calibration of the completeness that the planner estimates.
+Every second object of the benchmark of reality, up to 30 views, poses off by 2 mm and 0.2 degrees: once with the
+default stop rules, and once with only the rule that no view gains anything. The best stop, known afterwards, is the
+first view after which six more add less than a point of reachable coverage. OUT/stopping.md has the table,
+OUT/campaign/report.html the calibration of the completeness that the planner estimates.
 """
 
 import argparse
@@ -41,7 +41,7 @@ def curve(run):
 
 
 def best_stop(coverage):
-    """The number of views after which more were not worth it."""
+    """The number of views after which more views were not worthwhile."""
     gain = lambda n: coverage[min(n + AHEAD, len(coverage)) - 1] - coverage[n - 1]
     return next(n for n in range(1, len(coverage) + 1) if gain(n) < WORTH)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Recorded scenes: what cloud and mesh have after a few frames, by planner, with and without masks and registration.
+"""Recorded scenes: quality of cloud and mesh after a few frames, by planner, with and without masks and registration.
 
     benchmarks/recorded/recorded.py target/release/nextview OUT      # OUT/recorded.md has the tables
 

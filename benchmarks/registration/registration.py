@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What registration does to scans whose poses are wrong, or right.
+"""The effect of registration on scans with wrong and with correct poses.
 
     benchmarks/registration/registration.py target/release/nextview OUT          # ten objects, five seeds; OUT/registration.md
     benchmarks/registration/registration.py target/release/nextview OUT --seeds 1 --only tless_05 duck

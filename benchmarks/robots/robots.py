@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Arms before objects on a table: what they see of what they can reach, checked by another library.
+"""Arms in front of objects on a table: the share seen of the reachable surface, checked with another library.
 
     benchmarks/robots/robots.py target/release/nextview OUT MESH ...      # meshes in metres or millimetres, unit guessed
 

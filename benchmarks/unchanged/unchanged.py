@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Checks that a program computes what it computed: about fifty scans and two campaigns, by the hashes of their results.
+"""Checks that a program's results are unchanged: about fifty scans and two campaigns, by the hashes of their results.
 
     benchmarks/unchanged/unchanged.py target/release/nextview            # compares with results.csv, exit code 1 if it differs
-    benchmarks/unchanged/unchanged.py target/release/nextview --write    # writes results.csv anew
+    benchmarks/unchanged/unchanged.py target/release/nextview --write    # rewrites results.csv
 
 Each line of results.csv is a scan or a campaign with the hashes of its map, cloud, mesh, views and waypoints as files, and
 of its measures and path lengths as numbers. Times and memory are left out. Recorded scans need the reference data, in the

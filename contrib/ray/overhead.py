@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Measures what shards and Ray cost beside one process, on this machine: medians over repetitions.
+"""Measures the cost of shards and Ray compared with one process, on this machine: medians over repetitions.
 
-Usage: overhead.py PROGRAM [REPETITIONS]. Needs the package `nextview` and Ray. Runs that do next to nothing show
-the cost of each; runs of some length show how well workers are used. Every run has one thread.
+Usage: overhead.py PROGRAM [REPETITIONS]. Needs the package `nextview` and Ray. Almost empty runs show the cost of
+each; longer runs show how well workers are used. Every run has one thread.
 """
 
 from __future__ import annotations

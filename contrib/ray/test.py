@@ -72,7 +72,7 @@ def main() -> None:
     assert ended == 0 and n_lines(runs) == n_runs, n_lines(runs)
     for table in TABLES:
         assert (work / "alone" / table).read_bytes() == (out / table).read_bytes(), table
-    print(f"Ray: {n_runs} runs on {N_NODES} nodes, the same tables as of one process")
+    print(f"Ray: {n_runs} runs on {N_NODES} nodes, the same tables as with one process")
     if program := os.environ.get("NEXTVIEW_PROGRAM"):
         command = [program, "bench", str(spec), "--out", str(work / "program")]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)

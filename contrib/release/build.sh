@@ -12,7 +12,7 @@ target=x86_64-unknown-linux-gnu
 [ -d target/release-python ] || python3 -m venv target/release-python
 target/release-python/bin/pip install --quiet cargo-zigbuild ziglang
 PATH=$PWD/target/release-python/bin:$PATH
-# As in the wheel; names of functions are of no use to whoever runs the program.
+# As in the wheel; names of functions are of no use to users of the program.
 CARGO_PROFILE_RELEASE_STRIP=symbols cargo zigbuild --release --locked --package nextview-cli --target $target.2.17
 program=target/$target/release/nextview
 

@@ -1,4 +1,4 @@
-"""Checks the list of the program's parts against the schema of CycloneDX 1.6, and that it is whole.
+"""Checks that the list of the program's parts is complete and follows the schema of CycloneDX 1.6.
 
 Usage: check_sbom.py SBOM; needs cyclonedx-python-lib[json-validation].
 """

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Prints the licence texts of all crates that are in the program, each text once, as their licences require of whoever
-gives the program away.
+"""Prints the licence texts of all crates that are in the program, each text once, as their
+licences require of anyone who distributes the program.
 
-Usage: licenses.py SBOM, with what sbom.py printed; the sources must have been fetched.
+Usage: licenses.py SBOM, with the output of sbom.py; the sources must have been fetched.
 """
 
 import json

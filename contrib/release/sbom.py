@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints what the program is made of, as CycloneDX 1.6 in JSON: every crate with its licence and its checksum in
+"""Prints the parts of the program, as CycloneDX 1.6 in JSON: every crate with its licence and its checksum in
 Cargo.lock. The same sources give the same bytes.
 
 Crates of scope "required" are in the program; those of scope "excluded" only took part in building it.

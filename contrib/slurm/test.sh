@@ -83,4 +83,4 @@ cat out/logs/merge.txt
 for table in runs.csv runs.parquet steps.csv steps.parquet; do
     cmp "alone/$table" "out/campaign/$table"
 done
-echo "Slurm: $(wc -l <out/campaign/runs.jsonl) runs in $n_shards shards, the same tables as of one process"
+echo "Slurm: $(wc -l <out/campaign/runs.jsonl) runs in $n_shards shards, the same tables as with one process"

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Makes docs/animation/scan.webp, the animation at the head of README.md: a scan with noise, view by view, as its report shows it.
+"""Makes docs/animation/scan.webp, the animation at the top of README.md: a scan with noise, view by view, as shown in its report.
 
     docs/animation/animate.py target/release/nextview
 
-needs a Chromium (or another one, as CHROMIUM names it), and `pip install playwright pillow`; playwright's own browser is not used.
+Needs a Chromium (or another one, named by CHROMIUM), and `pip install playwright pillow`; playwright's own browser is not used.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 
     python docs/figures/figures.py
 
-needs the Python package: pip install ./python
+Needs the Python package: pip install ./python
 """
 
 from __future__ import annotations

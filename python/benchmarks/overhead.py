@@ -1,10 +1,10 @@
-"""What a call from Python costs more than one from Rust: `observe` of 640 x 480 pixels, and `next_view`.
+"""The extra cost of a call from Python over one from Rust: `observe` of 640 x 480 pixels, and `next_view`.
 
     cargo build --release -p nextview-benchmarks --bin live
     python python/benchmarks/overhead.py target/release/live [ROUNDS]
 
-Both scan the same object with the same frames, round by round in turns, so that what else the machine does
-meets both. A call's time is the least of all rounds; the ratio is that of the sums over all views.
+Both scan the same object with the same frames, alternating, so that other load on the machine affects both. A call's
+time is the minimum over all rounds; the ratio is that of the sums over all views.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Scans an object that nothing is known of, with your own depth camera; a simulated one stands in for it.
+"""Scans an unknown object with your own depth camera; here, a simulated one takes its place.
 
-The camera is asked to go somewhere, and reports where it truly is.
+The scan requests a pose, and the camera reports where it actually is.
 """
 
 import nextview

@@ -1,4 +1,5 @@
-"""A gain of your own beside built-in ones: the unknown voxels that a view shows next to known surface."""
+"""A gain of your own compared with built-in ones: the unknown voxels that a view shows next to known
+surface."""
 
 import numpy as np
 

@@ -1,6 +1,6 @@
-"""A camera that stands still before a turntable: the scan asks for angles. A simulated one stands in for yours.
+"""A fixed camera in front of a turntable: the scan requests angles. Here, a simulated one takes its place.
 
-Of a wall behind the table, which does not turn, nothing gets into the model.
+A wall behind the table does not turn, and does not get into the model.
 """
 
 import numpy as np

@@ -6,7 +6,7 @@ import nextview
 
 
 class Farthest(nextview.Planner):
-    """Takes the view that is farthest from all frames so far."""
+    """Chooses the view that is farthest from all frames so far."""
 
     def plan(self, situation: nextview.Situation) -> tuple[int, float]:
         positions = situation.candidates[situation.open_views, :3, 3]

@@ -1,4 +1,5 @@
-"""Scans through `nextview serve` with nothing but the standard library; a simulated robot stands in for yours.
+"""Scans through `nextview serve` with only the standard library; here, a simulated robot takes the place of
+yours.
 
 Usage: 09_server.py [ADDRESS [TOKEN]], by default http://127.0.0.1:7878, where no token is needed.
 """

@@ -13,7 +13,8 @@ from nextview._lists import listed
 from nextview.errors import InputError
 
 Columns = dict[str, Any]
-"""Columns by name: arrays of float64 (NaN for a missing value), int64 or bool, or lists of texts or None."""
+"""Columns by name: arrays of float64 (NaN for a missing value), int64 or bool, or lists of strings or
+None."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,19 +40,19 @@ def bench(
     jobs: int | None = None,
     on_event: Callable[[dict[str, Any]], object] | None = None,
 ) -> Bench:
-    """Does all runs of a specification, as `nextview bench` does.
+    """Runs a whole specification, as `nextview bench` does.
 
     - `spec`: the name of a built-in specification, a TOML file, or a dict with the same keys, in which
       planners of your own may be their classes.
-    - `objects`: mesh files or built-in objects, in place of those of a specification by name.
-    - `out`: a folder that keeps every run as soon as it is done; with `resume`, those that are there are not
-      done again. By default, nothing is kept.
-    - `jobs`: runs beside each other; by default one per core.
+    - `objects`: mesh files or built-in objects, instead of those of a specification given by name.
+    - `out`: a folder that stores every run as soon as it is done; with `resume`, stored runs are not
+      repeated. By default, nothing is stored.
+    - `jobs`: number of runs in parallel; by default one per core.
     - `on_event`: called with every event, such as `{"run-finished": {...}}`, for a progress bar. It may be
       called from another thread. If it raises, the campaign ends.
 
     A run that fails does not stop the others. Raises `InputError` or `DataError` if the specification cannot
-    be done. Ctrl-C ends it; runs that are done are kept in `out`.
+    be run. Ctrl-C ends it; finished runs stay in `out`.
 
     >>> import nextview
     >>> spec = {"name": "two", "objects": ["builtin:mug"],

@@ -79,12 +79,12 @@ class Camera(_native.Camera):
 
     @property
     def cx(self) -> float:
-        """Column of the principal point, pixels, at most 32768 beside the image."""
+        """Column of the principal point, pixels, at most 32768 outside the image."""
         return self.numbers()[4]
 
     @property
     def cy(self) -> float:
-        """Row of the principal point, pixels, at most 32768 beside the image."""
+        """Row of the principal point, pixels, at most 32768 outside the image."""
         return self.numbers()[5]
 
     @property

@@ -9,7 +9,7 @@ from nextview import _native
 
 
 class Exported(NamedTuple):
-    """What an export came to."""
+    """The result of an export."""
 
     n_views: int
     """Number of pictures."""
@@ -24,15 +24,15 @@ def export(
     *,
     force: bool = False,
 ) -> Exported:
-    """Writes the results of a scan in the format that another tool opens, as `nextview export` does.
+    """Exports the results of a scan in the format of another tool, as `nextview export` does.
 
     - `results`: the folder of a scan that was saved.
     - `to`: `"bop"`, `"colmap"`, `"foundationpose"`, `"nerfstudio"`, `"obj"`, `"open3d"`, `"pcd"` or `"tum"`.
       docs/export.md lists their files, axes and units.
-    - `out`: the folder for it. With `force`, files that are in it are replaced.
+    - `out`: the output folder. With `force`, existing files are replaced.
 
-    colmap, foundationpose, nerfstudio and obj need frames with colour. Raises `InputError` if there is no such format,
-    and `DataError` if the folder holds no results, or `out` cannot take them.
+    colmap, foundationpose, nerfstudio and obj need frames with colour. Raises `InputError` if there is no
+    such format, and `DataError` if the folder holds no results, or `out` cannot take them.
 
     >>> import nextview, pathlib, tempfile
     >>> folder = pathlib.Path(tempfile.mkdtemp())

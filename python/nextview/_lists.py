@@ -9,7 +9,7 @@ from typing import Any
 from nextview.errors import InputError
 
 MOST = 100_000
-"""Entries that no list needs."""
+"""Maximum number of entries of a list."""
 
 
 def listed(name: str, values: Iterable[Any]) -> list[Any]:

@@ -72,9 +72,9 @@ class Map:
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Writes the map as an OctoMap file: every probability for a name that ends in .ot, occupied and free
-        only for .bt. A file that is there is replaced only with `force`.
+        only for .bt. An existing file is replaced only with `force`.
 
-        Raises `InputError` if the grid is no part of an OctoMap: `origin_m` must be a multiple of the voxel
+        Raises `InputError` if the grid does not fit an OctoMap: `origin_m` must be a multiple of the voxel
         size, and probabilities of measured voxels between 0 and 1.
         """
         grid = (self.occupancy, self.probability, self.origin_m, self.voxel_size_m)
@@ -84,7 +84,8 @@ class Map:
     def load(cls, path: str | os.PathLike[str]) -> Map:
         """The measured part of an OctoMap file, .ot or .bt, as a dense grid.
 
-        Raises `DataError` if the file is no OctoMap, measured nothing, or spans more than 2^26 voxels.
+        Raises `DataError` if the file is not an OctoMap, has no measured voxel, or spans more than 2^26
+        voxels.
         """
         return map_of(_native.read_map(os.fspath(path)))
 

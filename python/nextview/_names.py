@@ -26,7 +26,8 @@ def sensors() -> list[str]:
 
 
 def builtin_objects() -> list[str]:
-    """The objects that need no file; besides, there is `builtin:random-N` for every whole number N from 0.
+    """The built-in objects, which need no file. There is also `builtin:random-N` for every whole number N
+    from 0.
 
     >>> import nextview
     >>> nextview.builtin_objects()

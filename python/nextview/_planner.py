@@ -15,11 +15,11 @@ from nextview._model import Map, map_of
 
 @dataclass(frozen=True, eq=False)
 class Situation:
-    """Everything that a planner or a gain may use, when the next view is chosen."""
+    """Everything that a planner or a gain may use to choose the next view."""
 
     map: Map
-    """The occupancy of the box around the object. Where planning goes from coarse voxels to fine ones, its
-    voxels are the coarse ones at first."""
+    """The occupancy of the box around the object. If planning goes from coarse to fine voxels, its voxels are
+    coarse at first."""
     candidates: NDArray[np.float64]
     """Poses of all view candidates, `world_from_camera`: N x 4 x 4."""
     open_views: NDArray[np.int64]
@@ -40,9 +40,9 @@ class Rays:
     """All planning rays of a view, one after the other.
 
     A ray crosses free and unknown voxels, from the camera on. Voxels are numbered as in the flattened arrays
-    of the map: `situation.map.probability.ravel()[rays.voxels]` are the probabilities on all rays. What is
-    known of a ray as a whole, such as the sum over its crossings, takes `offsets`:
-    `np.add.reduceat(values, rays.offsets[:-1])`.
+    of the map: `situation.map.probability.ravel()[rays.voxels]` are the probabilities on all rays. For values
+    of whole rays, such as sums over their crossings, use `offsets`: `np.add.reduceat(values,
+    rays.offsets[:-1])`.
     """
 
     LEFT_BOX = 0
@@ -50,7 +50,7 @@ class Rays:
     OCCUPIED = 1
     """In `ends`: the ray meets an occupied voxel."""
     FADED = 2
-    """In `ends`: the ray ends since hardly anything is visible behind."""
+    """In `ends`: the ray ends because almost nothing behind it is visible."""
 
     view: int
     """Number of the candidate."""
@@ -71,9 +71,9 @@ class Rays:
 class Planner(ABC):
     """A planner of your own: subclass it, and give `planner=` the class, or its name "python:module:Class".
 
-    Every scan makes an object of its own, without arguments; it may remember what it was asked before. Apart
-    from that and `situation.seed`, the same situation must give the same view, or an interrupted scan cannot
-    be resumed. An exception ends the scan with an `InputError` that has it as its `__cause__`.
+    Every scan creates its own object, without arguments; it may remember earlier calls. Apart from that and
+    `situation.seed`, the same situation must give the same view, or an interrupted scan cannot be resumed. An
+    exception ends the scan with an `InputError`, whose `__cause__` is that exception.
 
     >>> import nextview, numpy as np
     >>> class FromAbove(nextview.Planner):
@@ -93,11 +93,11 @@ class Planner(ABC):
 
 class Gain(ABC):
     """An information gain of your own: subclass it, and give `planner=` the class, or its name
-    "python:module:Class". The view of largest gain is taken, as by the built-in planners that are named after
-    a gain; `greedy={"theta": 0.3}` penalises long moves, `greedy={"ray_spacing": 4.0}` casts fewer rays.
+    "python:module:Class". The view with the largest gain is taken, as by the built-in planners named after a
+    gain; `greedy={"theta": 0.3}` penalises long moves, `greedy={"ray_spacing": 4.0}` casts fewer rays.
 
-    Every scan makes an object of its own, without arguments. An exception ends the scan with an `InputError`
-    that has it as its `__cause__`. Runs of a campaign go on beside each other: operations of numpy that take
+    Every scan creates its own object, without arguments. An exception ends the scan with an `InputError`,
+    whose `__cause__` is that exception. Runs of a campaign are done in parallel: numpy operations that use
     all cores, such as `@` on long arrays, are slow there.
 
     >>> import nextview, numpy as np
@@ -117,7 +117,7 @@ class Gain(ABC):
 
     @abstractmethod
     def gain(self, situation: Situation, rays: Rays) -> float:
-        """The gain of the view with these rays, finite and at least 0; of 0, the view is never taken.
+        """The gain of the view with these rays, finite and at least 0; a view with gain 0 is never taken.
 
         Called for every open view, one after the other, in increasing order.
         """

@@ -15,13 +15,13 @@ _TYPES = {"float": "<f4", "double": "<f8", "uchar": "u1", "int": "<i4", "uint": 
 
 
 def read_cloud(path: Path) -> Cloud:
-    """The cloud in a file of ours. Raises `DataError` if it is none."""
+    """The cloud in one of our files. Raises `DataError` if the file is not a cloud."""
     vertices = _elements(path)["vertex"]
     return Cloud(_columns(vertices, "x", "y", "z"), _columns(vertices, "nx", "ny", "nz"), _colors(vertices))
 
 
 def read_mesh(path: Path) -> Mesh:
-    """The mesh in a file of ours. Raises `DataError` if it is none."""
+    """The mesh in one of our files. Raises `DataError` if the file is not a mesh."""
     elements = _elements(path)
     vertices = elements["vertex"]
     return Mesh(
@@ -45,7 +45,7 @@ def _elements(path: Path) -> dict[str, NDArray[Any]]:
             elements[name] = np.frombuffer(body, dtype, int(n), offset)
             offset += elements[name].nbytes
     except (OSError, ValueError, KeyError) as error:
-        raise DataError(f"{path}: {error}; expected a cloud or a mesh as a scan leaves it") from error
+        raise DataError(f"{path}: {error}; expected a cloud or a mesh from the results of a scan") from error
     return elements
 
 

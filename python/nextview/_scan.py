@@ -30,7 +30,7 @@ class Scan:
 
     - `camera`: the depth camera.
     - `box`: where the object is: its lowest and its highest corner, metres. Without it, the box grows from
-      the first image on, which then must show some of the object.
+      the first image, which must then show some of the object.
     - `first_pose`: the pose of the first view, needed where the box grows and `poses` are not given: for
       example where the camera is now.
     - `poses`: the view candidates; by default a rule makes `candidates` of them around the object:
@@ -44,18 +44,18 @@ class Scan:
       metres.
     - `name`: of the object, for records and reports.
     - `out`: a folder. Every frame is on the disk there before it counts; after an interruption,
-      `nextview.resume` resumes the scan. `save` writes the results there. It must not hold results of another
-      scan, unless `force` is true, which replaces them.
-    - `after`: the folder with the results of a scan of the same object, which has been turned since as their
-      `record.next_placement` asks for: as soon as it is known how, the frames of that scan come into map and
-      model. Both need a `table`.
+      `nextview.resume` resumes the scan. `save` writes the results there. If it holds results of another
+      scan, `force` must be true, which replaces them.
+    - `after`: the folder with the results of an earlier scan of the same object, which has been turned since,
+      as their `record.next_placement` requests. As soon as the turn is found, the frames of that scan are
+      added to map and model. Both scans need a `table`.
     - `options`: any other key of a configuration, such as `registration={"enabled": True}`,
       `stop={"completeness": 0.98}`, or `robot={"arm": "ur5e", "world_from_base": pose}`. Poses are 4 x 4
       arrays of float64.
 
-    Raises `InputError` if the values cannot be, and `DataError` if the folder cannot be used.
+    Raises `InputError` if a value is invalid, and `DataError` if the folder cannot be used.
 
-    One object serves one scan. Calls from several threads take turns; scans run beside each other.
+    One object serves one scan. Calls from several threads take turns; several scans can run in parallel.
 
     >>> import nextview
     >>> sim = nextview.SimulatedScene("builtin:mug", voxel_size_m=0.01)
@@ -93,7 +93,7 @@ class Scan:
             raise InputError(f"`camera` is of type {type(camera).__name__}, expected nextview.Camera")
         for key, instead in _ARGUMENTS.items():
             if options.get(key) is not None:
-                raise InputError(f"`{key}` is no option of a scan by your own camera, use {instead}")
+                raise InputError(f"`{key}` is not an option of a scan by your own camera, use {instead}")
         live: dict[str, Any] = {}
         given_box = options.pop("object_box", None)
         if not isinstance(given_box, dict | None):
@@ -101,7 +101,7 @@ class Scan:
         # Its own entries, whatever a subclass has.
         object_box = {} if given_box is None else dict(dict.items(given_box))
         if object_box.get("table") is not None:
-            raise InputError("`object_box.table` is no option of a scan by your own camera, use `table`")
+            raise InputError("`object_box.table` is not an option of a scan by your own camera, use `table`")
         if isinstance(table, str):
             object_box["table"] = table
         else:
@@ -121,8 +121,8 @@ class Scan:
     def next_view(self) -> _native.View | None:
         """The view to take next; None if the scan is over, see `stop_reason`.
 
-        Asked again before a frame is observed or a view skipped, the answer is the same. Ctrl-C ends the
-        computation; it can then be asked again.
+        Further calls return the same view until a frame is observed or a view is skipped. Ctrl-C ends the
+        computation, which can then be repeated.
         """
         view = self._engine.next_view()
         if view is not None and view.estimated_completeness is not None:
@@ -145,14 +145,13 @@ class Scan:
         depth_scale_m: float | None = None,
         mask: NDArray[np.bool_] | None = None,
     ) -> dict[str, Any]:
-        """Takes in a depth image; the view that was asked for counts as taken. Returns the step's record.
+        """Adds a depth image; the requested view counts as taken. Returns the step's record.
 
         - `depth`: height x width; float32 in metres, where 0, negative numbers and NaN mean "not measured"
           and infinity means "nothing there"; or uint16 in units of `depth_scale_m`, where 0 means "not
           measured".
         - `world_from_camera`: where the camera truly was, 4 x 4 float64; or the view, if it was there
-          exactly. A rotation may be off by 1e-3. None if the camera does not know: it is then found out as by
-          `locate`.
+          exactly. A rotation may be off by 1e-3. None if it is unknown: it is then found as by `locate`.
         - `color`: height x width x 3, uint8, aligned with the depth image; for cloud and mesh.
         - `mask`: height x width, bool; pixels where it is true count as not measured.
 
@@ -167,25 +166,25 @@ class Scan:
         depth_scale_m: float | None = None,
         mask: NDArray[np.bool_] | None = None,
     ) -> Pose:
-        """Returns where a depth image was taken, by the surface known so far. It is not taken in.
+        """Returns where a depth image was taken, by the surface known so far. The image is not added.
 
-        For cameras in a hand: the camera must have moved by no more than some centimetres and degrees since
-        the last image. Needs `registration={"enabled": True, "given_poses": "tracked"}` when the scan is begun;
-        raises an error where the camera is lost.
+        For hand-held cameras: the camera must have moved by no more than some centimetres and degrees since
+        the last image. The scan must have been created with `registration={"enabled": True, "given_poses":
+        "tracked"}`. Raises an error if the camera is lost.
         """
         return self._engine.locate(depth, depth_scale_m, mask)
 
     def guidance(self, world_from_camera: Pose) -> dict[str, Any] | None:
         """How to move the camera from this pose to the next view, or None if the scan is over.
 
-        `arrow_m` leads to the view, in the frame of the camera (right, down, forward), and is `distance_m` long;
-        `turn_deg` says how far to turn right and then down, `angle_deg` how far off the camera looks, and
-        `reached` whether it is near enough.
+        `arrow_m` leads to the view, in the frame of the camera (right, down, forward), and is `distance_m`
+        long; `turn_deg` says how far to turn right and then down, `angle_deg` how far off the camera looks,
+        and `reached` whether it is near enough.
         """
         return self._engine.guidance(world_from_camera)
 
     def skip(self, view: int, reason: str = "out of reach") -> None:
-        """Never proposes this candidate again, for example because the robot cannot go there."""
+        """Excludes this candidate for the rest of the scan, for example because the robot cannot go there."""
         self._engine.skip(view, reason)
 
     @property
@@ -221,7 +220,7 @@ class Scan:
 
     @property
     def candidates(self) -> NDArray[np.float64]:
-        """Poses of the view candidates as they stand now: N x 4 x 4, `world_from_camera`."""
+        """Poses of the current view candidates: N x 4 x 4, `world_from_camera`."""
         return self._engine.candidates()
 
     @property
@@ -246,18 +245,19 @@ class Scan:
         return self._model
 
     def show(self) -> Page:
-        """The report of the scan as it stands, with its 3D view: for the end of a cell of a notebook."""
+        """The report of the scan so far, with its 3D view: for the last line of a notebook's cell."""
         return Page(self._engine.page())
 
     def save(self, out: str | os.PathLike[str] | None = None, *, force: bool = False) -> None:
         """Writes the results into a folder, as the program does: map, cloud, mesh, records, `report.html`.
 
-        Without `out`, into the folder that the scan was begun with. A scan that is over is then finished: it
-        needs no resuming and takes no more frames. Results of another scan are replaced only with `force`.
+        Without `out`, the results go into the folder with which the scan was started. A scan that is over is
+        then finished: it cannot be resumed and accepts no more frames. Results of another scan are replaced
+        only with `force`.
         """
         path = self._out if out is None else os.fspath(out)
         if path is None:
-            raise InputError("`out` is missing, expected a folder: the scan was begun without one")
+            raise InputError("`out` is missing, expected a folder: the scan was started without one")
         is_own = self._out is not None and os.path.abspath(path) == os.path.abspath(self._out)
         self._engine.save(path, force or (is_own and self._force), is_own)
 
@@ -267,8 +267,8 @@ class Scan:
 
 
 def resume(out: str | os.PathLike[str]) -> Scan:
-    """Resumes the scan that was interrupted in this folder: it goes on after the frames that are kept, with
-    the views that it would have chosen without the interruption.
+    """Resumes the interrupted scan in this folder: it continues after the stored frames, with the views that
+    it would have chosen without the interruption.
 
     Frames at the end that cannot be read, as after a power failure, are lost: a warning says so. Raises
     `DataError` if the folder holds no interrupted scan by your own camera.

@@ -20,7 +20,7 @@ from nextview.errors import InputError
 
 
 class SimulatedScene:
-    """A simulated object before a simulated depth camera: a stand-in for real ones.
+    """A simulated object in front of a simulated depth camera, in place of real ones.
 
     - `object`: a mesh file, or one of `nextview.builtin_objects`.
     - `camera`: the camera; by default an exact RealSense D435i.
@@ -28,7 +28,7 @@ class SimulatedScene:
       `unit="mm"`, `object_box={"table": "known"}` (it stands on a table), `noise={"model": "d435i", "seed":
       1}`.
 
-    Raises `InputError` or `DataError` if the object cannot be scanned so.
+    Raises `InputError` or `DataError` if the object cannot be scanned with these options.
 
     >>> import nextview
     >>> sim = nextview.SimulatedScene("builtin:mug")
@@ -51,7 +51,8 @@ class SimulatedScene:
         """The depth image from a pose: height x width, float32, metres; NaN where nothing was measured,
         infinite where nothing came back.
 
-        Raises `InputError` if the pose is none, and `DataError` if it is outside the room around the object.
+        Raises `InputError` if the pose is invalid, and `DataError` if it is outside the room around the
+        object.
         """
         return self._engine.capture(world_from_camera, False)[0]
 
@@ -96,7 +97,7 @@ class SimulatedScene:
 
     @property
     def voxel_size_m(self) -> float:
-        """The voxel size that suits the object, or the one of the options."""
+        """The voxel size given in the options, or else one that suits the object."""
         return self._engine.voxel_size_m()
 
     def __repr__(self) -> str:
@@ -106,7 +107,7 @@ class SimulatedScene:
 
 @dataclass(frozen=True, eq=False)
 class ScanResult:
-    """What a scan leaves."""
+    """The results of a scan."""
 
     record: dict[str, Any]
     """All measures: what `record.json` holds."""
@@ -123,8 +124,8 @@ class ScanResult:
     _engine: _native.Finished | None = field(default=None, repr=False)
 
     def show(self) -> Page:
-        """The report of the scan, with its 3D view: for the end of a cell of a notebook. Raises `InputError`
-        for a result that was pickled, which has no frames."""
+        """The report of the scan, with its 3D view: for the last line of a notebook's cell. Raises
+        `InputError` for a result that was pickled, which has no frames."""
         return Page(self._finished().page())
 
     def _finished(self) -> _native.Finished:
@@ -151,14 +152,14 @@ def scan(
     - `object`: a mesh file, or one of `nextview.builtin_objects`; with `recording={}` in the options, where
       recorded frames are.
     - `camera`: the camera; by default a RealSense D435i.
-    - `out`: a folder for the results; by default nothing is written. Results that are there are replaced only
-      with `force`.
+    - `out`: a folder for the results; by default nothing is written. Existing results are replaced only with
+      `force`.
     - `on_step`: called with the record of every step. If it raises, the scan ends.
     - `options`: keys of a configuration, such as `planner="max-flow"` or a planner of your own, `views=12`,
       `voxel_size_m=0.005`, `noise={"model": "d435i"}`, `registration={"enabled": True}`. With
       `baselines=False`, what every candidate truly sees is not computed, which takes longer than the scan.
 
-    Raises `InputError` or `DataError` if the object cannot be scanned so. Ctrl-C ends it.
+    Raises `InputError` or `DataError` if the object cannot be scanned with these options. Ctrl-C ends it.
 
     >>> import nextview
     >>> done = nextview.scan("builtin:mug", views=2, voxel_size_m=0.01, baselines=False)

@@ -14,7 +14,7 @@ from typing import Any
 
 
 class NextviewError(Exception):
-    """Something is wrong; the message says what, with the value and with what would be right.
+    """An error; the message states the problem, the value and what would be right.
 
     `faults` has one dict per fault, with the entries `kind`, `message` and, where they are known, `key` (the
     dotted key of the configuration), `value`, `expected`, `remedy` and `place`.
@@ -28,12 +28,12 @@ class NextviewError(Exception):
 
     @classmethod
     def _of_faults(cls, faults: list[dict[str, Any]]) -> NextviewError:
-        """The exception of these faults, one a line, each with its remedy."""
+        """The exception for these faults, one per line, each with its remedy."""
         return cls("\n".join(_text(fault) for fault in faults), faults)
 
 
 class InputError(NextviewError, ValueError):
-    """An argument, or a combination of arguments, cannot be."""
+    """An argument, or a combination of arguments, is invalid."""
 
 
 class DataError(NextviewError):
@@ -41,7 +41,7 @@ class DataError(NextviewError):
 
 
 class InternalError(NextviewError):
-    """A fault in nextview. Please report it."""
+    """A bug in nextview. Please report it."""
 
 
 _ARGUMENTS = {

@@ -39,7 +39,7 @@ Observation = dict[str, Any]
 class ViewPlanning(gymnasium.Env[Observation, np.int64]):
     """An unknown object in the middle of view candidates on a sphere; each action takes one of them.
 
-    - `objects`: the objects, of which each episode draws one: mesh files or built-in objects, such as
+    - `objects`: the objects, one of which is drawn for each episode: mesh files or built-in objects, such as
       "builtin:random-7".
     - `n_candidates`: the number of view candidates, and of actions. The candidate of an action is in the same
       direction from every object.
@@ -63,7 +63,7 @@ class ViewPlanning(gymnasium.Env[Observation, np.int64]):
         cells: int = 16,
         camera: Camera | None = None,
     ) -> None:
-        """Nothing is loaded before the first episode. Raises `InputError` on numbers out of range."""
+        """Nothing is loaded before the first episode. Raises `InputError` if a number is out of range."""
         for name, value, most in [
             ("n_candidates", n_candidates, 10_000),
             ("views", views, 10_000),
@@ -100,7 +100,7 @@ class ViewPlanning(gymnasium.Env[Observation, np.int64]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Draws an object and takes a first view of it, which is drawn, too.
+        """Draws an object and a first view of it.
 
         `options` may name the `object`. `info` has the `object` and the `coverage`.
         """

@@ -1,11 +1,11 @@
 """Campaigns on a Ray cluster (extra `ray`).
 
-`python -m nextview.ray bench SPEC --out DIR` does the runs of a campaign as tasks of Ray, and `bench` does
-the same from a script. Only the driver writes the folder, by the rules of every campaign; tasks send back
-records, each as soon as its run is done. The tables are the same to the byte as if one process had done all
-runs, apart from times.
+`python -m nextview.ray bench SPEC --out DIR` does the runs of a campaign as Ray tasks, and `bench` does the
+same from a script. Only the driver writes the folder, by the rules of every campaign; tasks send back
+records, each as soon as its run is done. Apart from times, the tables are the same to the byte as if one
+process had done all runs.
 
-A task does the runs of an object, or towards the end a part of them. Ray's dashboard shows
+A task does the runs of an object, or, towards the end, some of them. Ray's dashboard shows
 them by object and planners. Workers need the same build of this package, and the same paths of the objects'
 files.
 """
@@ -45,22 +45,22 @@ def bench(
     truth_cache_mb: int = 4096,
     on_event: Callable[[dict[str, Any]], object] | None = None,
 ) -> Failed:
-    """Does all runs of a specification on a cluster and writes the tables; the runs that failed.
+    """Runs a whole specification on a cluster, writes the tables, and returns the failed runs.
 
     - `spec`, `objects`: those of `nextview.bench`. Planners of your own are classes of a module that workers
       can import.
-    - `out`: the campaign's folder, on this machine. Of a campaign that was begun there, only the missing runs
-      are done.
-    - `address`: of the cluster, as `ray.init` takes it; nothing where that was called before.
+    - `out`: the campaign's folder, on this machine. If it already holds runs of the campaign, only the
+      missing ones are done.
+    - `address`: that of the cluster, as for `ray.init`; leave it out if `ray.init` was already called.
     - `cpus`: CPUs that Ray reserves for a task; its runs have as many threads.
-    - `retries`: how often Ray repeats a task whose worker or node died; -1 for ever.
-    - `workers`: workers for which the runs are cut into tasks; by default, as many as the cluster has CPUs
-      for. State it where the cluster grows.
-    - `truth_cache`: a folder that all nodes share, or one on each of them, which keeps what the candidates
-      truly see of every object, so that it is computed once; at most `truth_cache_mb` megabytes.
+    - `retries`: how often Ray repeats a task whose worker or node died; -1 for no limit.
+    - `workers`: number of workers for which the runs are split into tasks; by default, as many as the cluster
+      has CPUs for. Set it if the cluster grows.
+    - `truth_cache`: a folder shared by all nodes, or one on each of them, that caches the true visibility of
+      every object from all candidates, so that it is computed once; at most `truth_cache_mb` megabytes.
     - `on_event`: called with every event, such as `{"run-finished": {...}}`.
 
-    Raises `InputError` or `DataError` if the specification cannot be done, if a worker has another build, or
+    Raises `InputError` or `DataError` if the specification cannot be run, if a worker has another build, or
     if runs are missing at the end because their tasks were lost.
     """
     for name, value, least in [("cpus", cpus, 1), ("retries", retries, -1), ("workers", workers, 1), ("truth_cache_mb", truth_cache_mb, 0)]:
@@ -89,7 +89,7 @@ def _do_all(
     cache: tuple[str | None, int],
     tell: Callable[[dict[str, Any]], object],
 ) -> list[str]:
-    """Does the open runs; why tasks were lost."""
+    """Does the open runs; returns the reasons why tasks were lost."""
     options = {"num_cpus": cpus, "max_retries": retries, "num_returns": "streaming"}
     task = ray.remote(**options)(_records)
     running: list[Any] = []
@@ -150,7 +150,7 @@ class _Progress:
     def __call__(self, event: dict[str, Any]) -> None:
         if began := event.get("began"):
             self._n_runs, self._n_done = began["n_runs"], began["n_finished"]
-            before = f", {self._n_done} done before" if self._n_done else ""
+            before = f", {self._n_done} already done" if self._n_done else ""
             objects, runs = _counted(began["n_objects"], "object"), _counted(self._n_runs, "run")
             self._print(f"{objects}, {runs}{before}, in {self._out}")
         elif "run-finished" in event:
@@ -174,22 +174,22 @@ def _counted(n: int, noun: str) -> str:
 
 def _main() -> int:
     parser = argparse.ArgumentParser(prog="python -m nextview.ray")
-    about = "Do the runs of a campaign as tasks of Ray; the same command resumes it."
+    about = "Do the runs of a campaign as Ray tasks; the same command resumes it."
     commands = parser.add_subparsers(required=True, metavar="bench")
     command = commands.add_parser("bench", help=about, description=about)
     add = command.add_argument
     add("spec", metavar="SPEC", help="a TOML file or the name of a built-in specification")
-    add("meshes", metavar="MESH", nargs="*", help="objects in place of those of SPEC")
-    add("--out", required=True, metavar="DIR", help="the campaign's folder, new or begun")
-    add("--address", help="of the cluster [default: RAY_ADDRESS, one that runs here, or a new one]")
-    add("--cpus", type=int, default=1, metavar="N", help="CPUs and threads of a task [default: 1]")
-    retries = "repetitions of a task whose worker or node died, -1 for ever [default: 3]"
+    add("meshes", metavar="MESH", nargs="*", help="objects instead of those of SPEC")
+    add("--out", required=True, metavar="DIR", help="the campaign's folder, new or from an earlier start")
+    add("--address", help="address of the cluster [default: RAY_ADDRESS, one that runs here, or a new one]")
+    add("--cpus", type=int, default=1, metavar="N", help="CPUs and threads per task [default: 1]")
+    retries = "repetitions of a task whose worker or node died, -1 for no limit [default: 3]"
     add("--retries", type=int, default=3, metavar="N", help=retries)
-    workers = "workers to cut the runs for [default: as many as the cluster has CPUs for]"
+    workers = "number of workers for which the runs are split [default: as many as the cluster has CPUs for]"
     add("--workers", type=int, metavar="N", help=workers)
-    cache = "folder for what candidates truly see of the objects, so that it is computed once"
+    cache = "folder that caches the true visibility of the objects, so that it is computed once"
     add("--truth-cache", metavar="DIR", help=cache)
-    bound = "largest size of that folder; what was not used for the longest time is removed [default: 4096]"
+    bound = "maximum size of that folder; the least recently used entries are removed [default: 4096]"
     add("--truth-cache-mb", type=int, default=4096, metavar="MB", help=bound)
     args = parser.parse_args()
     try:

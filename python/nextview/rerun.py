@@ -6,9 +6,9 @@ without depth images, candidates and earlier maps.
 
 The timeline `view` counts views from 1. At each of them there are, in metres: the map as it was then, the
 camera with its depth image and some of its rays, the views so far, the view candidates, and curves. Cloud and
-mesh are there at the last one. The colours of the candidates, from blue to yellow, are their order by what
-they would have gained then: the entropy of the unobserved voxels in their sight, whatever the planner's own
-gain is. The orange one is taken next.
+mesh are there at the last one. The colours of the candidates, from blue to yellow, are their order by gain at
+that time: the entropy of the visible unobserved voxels, whatever the planner's own gain is. The orange one is
+taken next.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _CHOSEN = [255, 120, 20]
 
 
 def log(scan: Scan | ScanResult, out: str | os.PathLike[str] | None = None) -> None:
-    """Logs all views of a scan so far: into a file, or to the recording that `rerun.init` began.
+    """Logs all views of a scan so far to a file, or to the recording that `rerun.init` began.
 
     Raises `InputError` for a result that was pickled, which has no frames.
     """
@@ -86,7 +86,7 @@ def log_folder(folder: str | os.PathLike[str], out: str | os.PathLike[str] | Non
 
 @dataclass(frozen=True)
 class _Story:
-    """What there is to show."""
+    """The data to show."""
 
     record: dict[str, Any]
     config: dict[str, Any]

@@ -96,11 +96,11 @@ fn metres(
         return Ok(readonly("depth", metres)?.as_array().iter().copied().collect());
     }
     let Ok(units) = depth.cast::<PyArray2<u16>>() else {
-        return Err(input_error(py, format!("`depth` is of {}, {DEPTH}", array.dtype())));
+        return Err(input_error(py, format!("`depth` has the type {}, {DEPTH}", array.dtype())));
     };
     let scale = scale.ok_or_else(|| {
         let problem =
-            "`depth` is of uint16, expected `depth_scale_m` with it: metres per unit, such as 0.001";
+            "`depth` has the type uint16, which needs `depth_scale_m`: metres per unit, such as 0.001";
         input_error(py, problem)
     })?;
     if !(scale > 0.0 && scale.is_finite()) {
@@ -141,7 +141,7 @@ where
     }
     value
         .cast()
-        .map_err(|_| input_error(py, format!("`{name}` is of {}, expected {expected}", array.dtype())))
+        .map_err(|_| input_error(py, format!("`{name}` has the type {}, expected {expected}", array.dtype())))
 }
 
 /// Returns the array for reading in place.

@@ -76,7 +76,10 @@ pub fn read_spec(spec: &Bound<'_, PyAny>, objects: &[String]) -> PyResult<Spec> 
     let py = spec.py();
     let spec = if let Ok(dict) = spec.cast::<PyDict>() {
         if !objects.is_empty() {
-            return Err(input_error(py, "`objects` is for specifications by name; a dict has its own"));
+            return Err(input_error(
+                py,
+                "`objects` is only for specifications given by name; a dict has its own",
+            ));
         }
         let text = toml::to_string(&table(dict)?).map_err(|error| input_error(py, error))?;
         guarded(py, || Spec::parse(&text, Path::new("")))
@@ -110,7 +113,7 @@ fn done(
 }
 
 /// Returns columns by name: arrays of float64 with NaN for missing values, of int64 or bool if none is
-/// missing, and lists of texts or None.
+/// missing, and lists of strings or None.
 fn columns<'py>(py: Python<'py>, table: Table) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for (name, column) in table.columns() {

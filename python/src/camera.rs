@@ -86,7 +86,7 @@ fn distortion_of(coefficients: &[f64], model: &str) -> Result<Distortion, Fault>
         "brown-conrady" => Ok(Distortion::BrownConrady(k)),
         "inverse-brown-conrady" => Ok(Distortion::InverseBrownConrady(k)),
         _ => {
-            let expected = "brown-conrady or inverse-brown-conrady, or none without coefficients";
+            let expected = "brown-conrady or inverse-brown-conrady, or none if there are no coefficients";
             Err(Fault::of_value("distortion_model", model, expected))
         }
     }

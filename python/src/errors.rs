@@ -34,7 +34,7 @@ pub fn input_error(py: Python<'_>, message: impl fmt::Display) -> PyErr {
 
 /// The exception for a panic, which is a bug in the library.
 pub fn internal_error(py: Python<'_>, message: &str) -> PyErr {
-    let fault = Fault::data(format!("a fault in nextview: {message}"));
+    let fault = Fault::data(format!("a bug in nextview: {message}"));
     raised(py, "InternalError", &fault.into()).unwrap_or_else(|error| error)
 }
 

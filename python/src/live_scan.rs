@@ -34,7 +34,7 @@ pub struct LiveScan {
 impl LiveScan {
     #[new]
     #[pyo3(signature = (config, camera, bounds, first_pose, poses, out, force))]
-    #[expect(clippy::too_many_arguments, reason = "what is no value of a configuration")]
+    #[expect(clippy::too_many_arguments, reason = "a value that no configuration has")]
     fn new(
         py: Python<'_>,
         config: &Bound<'_, PyDict>,
@@ -53,7 +53,7 @@ impl LiveScan {
         live.first_pose = first_pose.map(|pose| pose_of("first_pose", pose)).transpose()?;
         if poses.as_ref().is_some_and(Vec::is_empty) {
             let fault = Fault::of_value("poses", "empty", "at least one pose");
-            let remedy = "without `poses`, candidates around the object are made by `view_space`";
+            let remedy = "without `poses`, `view_space` makes candidates around the object";
             return Err(exception(py, fault.with_remedy(remedy)));
         }
         let numbered = poses.iter().flatten().enumerate();
@@ -254,10 +254,10 @@ impl LiveScan {
                 Ok(mut scan) => work(&mut scan),
                 Err(TryLockError::WouldBlock) => {
                     let fault = Fault::request("a planner cannot use the scan that asks it");
-                    Err(fault.with_remedy("everything that it may use is in its situation").into())
+                    Err(fault.with_remedy("its situation holds everything that it may use").into())
                 }
                 Err(TryLockError::Poisoned(_)) => {
-                    let message = "this scan failed before by a fault in nextview; begin another one";
+                    let message = "this scan failed earlier because of a bug in nextview; start a new one";
                     Err(Fault::data(message).into())
                 }
             }

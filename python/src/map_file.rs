@@ -36,7 +36,7 @@ fn known(octree: &Octree) -> Result<Snapshot, Fault> {
     let min = leaves().map(|leaf| leaf.min).reduce(IVec3::min);
     let max = leaves().map(|leaf| leaf.max()).reduce(IVec3::max);
     let (Some(min), Some(max)) = (min, max) else {
-        return Err(Fault::data("holds no measured voxel, expected at least one"));
+        return Err(Fault::data("contains no measured voxel, expected at least one"));
     };
     let dims = (max - min + 1).as_uvec3();
     let is_small = dims.as_u64vec3().element_product() <= MAX_VOXELS as u64;

@@ -97,7 +97,7 @@ fn done(
     output.dir.iter().try_for_each(|dir| results::begin(dir, output.force, config.inputs()).map(drop))?;
     match (&config.live, &config.recording) {
         (Some(_), _) => {
-            let fault = Fault::request("the frames of `live` come from a camera of one's own");
+            let fault = Fault::request("the frames of `live` come from a user's camera");
             Err(fault.with_remedy("scan with nextview.Scan").into())
         }
         (None, Some(_)) => recorded(config, output, cancel, listener),

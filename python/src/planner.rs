@@ -56,7 +56,7 @@ impl PlannerProvider for Classes {
 fn fault(planner: &ProvidedPlanner, failure: Failure) -> Fault {
     let fault = Fault::request(format!("the planner {planner}: {failure}")).with_cause(failure);
     fault.with_remedy(
-        "it is made without arguments, of a class in a module that can be imported: a subclass of \
+        "it must be a class in an importable module, created without arguments: a subclass of \
          nextview.Planner or nextview.Gain",
     )
 }
@@ -124,7 +124,7 @@ impl Instance {
         }
         let problem = match view {
             view if view >= situation.views().len() => "there are fewer candidates",
-            view if situation.visited().contains(&view) => "it was taken before",
+            view if situation.visited().contains(&view) => "it was already taken",
             _ => "it is out of reach",
         };
         let expected = "expected one of `situation.open_views`";

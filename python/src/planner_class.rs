@@ -19,18 +19,20 @@ impl<'py> Class<'py> {
     pub fn find(py: Python<'py>, planner: &ProvidedPlanner) -> Result<Self, Failure> {
         let (module, name) = (planner.module(), planner.class().to_owned());
         if name.contains("<locals>") {
-            return Err(Failure::new(format!("{name} is defined in a function, where it has no name")));
+            return Err(Failure::new(format!(
+                "{name} is defined in a function, so it cannot be found by name"
+            )));
         }
         let Ok(class) = found(py, module, &name)?.cast_into::<PyType>() else {
-            return Err(Failure::new(format!("{name} is no class")));
+            return Err(Failure::new(format!("{name} is not a class")));
         };
         let lookup = |error| Failure::raised(py, "its check", error);
         let is_a = |base: &str| class.is_subclass(&py.import("nextview")?.getattr(base)?);
         let sight = match (is_a("Planner").map_err(lookup)?, is_a("Gain").map_err(lookup)?) {
             (true, false) => None,
             (false, true) => Some(sight(&class, &name)?),
-            (false, false) => return Err(Failure::new(format!("{name} is neither planner nor gain"))),
-            (true, true) => return Err(Failure::new(format!("{name} is planner and gain at once"))),
+            (false, false) => return Err(Failure::new(format!("{name} is neither a planner nor a gain"))),
+            (true, true) => return Err(Failure::new(format!("{name} is both a planner and a gain"))),
         };
         let missing = class.getattr("__abstractmethods__").and_then(|names| names.try_iter()?.collect());
         let missing: Vec<Bound<'_, PyAny>> = missing.map_err(lookup)?;
@@ -51,8 +53,8 @@ pub fn name_of(class: &Bound<'_, PyType>) -> PyResult<String> {
         Ok(found) if !found.is(class) => Err(input_error(
             py,
             format!(
-                "`planner` is a class {whole}, but that name leads to another one, such as a later \
-                 definition: pass that one, or name them differently"
+                "`planner` is a class {whole}, but that name refers to another class, such as a later \
+                 definition: pass that class, or use different names"
             ),
         )),
         // A missing class is reported with all other faults.
@@ -81,6 +83,6 @@ fn sight(class: &Bound<'_, PyType>, name: &str) -> Result<Sight, Failure> {
         Ok("clear") => Ok(Sight::endless(FreeSpace::Clear)),
         Ok("fades") => Ok(Sight::endless(FreeSpace::Fades)),
         Ok(other) => Err(Failure::new(format!("{name}.free_space is {other:?}, expected clear or fades"))),
-        Err(_) => Err(Failure::new(format!("{name}.free_space is no text, expected clear or fades"))),
+        Err(_) => Err(Failure::new(format!("{name}.free_space is not a string, expected clear or fades"))),
     }
 }

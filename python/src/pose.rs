@@ -45,7 +45,7 @@ fn rows(name: &str, value: &Bound<'_, PyAny>) -> PyResult<[[f64; 4]; 4]> {
         return Err(input_error(py, format!("`{name}` has the shape {:?}, {expected}", array.shape())));
     }
     let Ok(array) = value.cast::<PyArray2<f64>>() else {
-        return Err(input_error(py, format!("`{name}` is of {}, {expected}", array.dtype())));
+        return Err(input_error(py, format!("`{name}` has the type {}, {expected}", array.dtype())));
     };
     let array = readonly(name, array)?;
     let entry = |i: usize, j: usize| array.get([i, j]).copied().unwrap_or(f64::NAN);

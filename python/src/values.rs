@@ -117,7 +117,7 @@ impl Conversion {
                 continue;
             }
             let name = key.cast::<PyString>().map_err(|_| {
-                let problem = format!("a key of the configuration is {}, expected a text", shown(&key));
+                let problem = format!("a key of the configuration is {}, expected a string", shown(&key));
                 input_error(dict.py(), problem)
             })?;
             let key = self.text("a key", name)?;
@@ -130,10 +130,10 @@ impl Conversion {
     fn text(&mut self, name: &str, text: &Bound<'_, PyString>) -> PyResult<String> {
         let py = text.py();
         let text = text.to_str().map_err(|_| {
-            input_error(py, format!("`{name}` is {}, expected characters of Unicode", shown(text)))
+            input_error(py, format!("`{name}` is {}, expected Unicode characters", shown(text)))
         })?;
         if text.len() > MOST_TEXT_BYTES {
-            let problem = format!("`{name}` is a text of {} bytes", text.len());
+            let problem = format!("`{name}` is a string of {} bytes", text.len());
             return Err(input_error(py, format!("{problem}, expected at most {MOST_TEXT_BYTES}")));
         }
         self.charge(py, name, text.len())?;
@@ -144,10 +144,10 @@ impl Conversion {
         let py = value.py();
         self.charge(py, name, 0)?;
         if depth > MOST_NESTED {
-            let most = format!("expected at most {MOST_NESTED} values in each other");
+            let most = format!("expected at most {MOST_NESTED} nested values");
             return Err(input_error(
                 py,
-                format!("`{name}` is nested too deeply, {most}; does it hold itself?"),
+                format!("`{name}` is nested too deeply, {most}; does it contain itself?"),
             ));
         }
         if let Ok(value) = value.cast::<PyBool>() {
@@ -198,10 +198,11 @@ impl Conversion {
         }
         if is_planner(name) {
             let expected = "expected a name, or a class: a subclass of nextview.Planner or nextview.Gain";
-            let problem = format!("`{name}` is of type {kind}, {expected}; pass the class itself");
+            let problem =
+                format!("`{name}` is of type {kind}, {expected}; pass the class, not an object of it");
             return Err(input_error(py, problem));
         }
-        let expected = "expected a text, a truth value, a number of 64 bits, a list or a dict";
+        let expected = "expected a string, a bool, a number of 64 bits, a list or a dict";
         Err(input_error(py, format!("`{name}` is of type {kind}, or out of range: {expected}")))
     }
 }

@@ -53,7 +53,7 @@ pub fn view_of_text(py: Python<'_>, text: &str) -> PyResult<View> {
         joints,
         turntable_angle_deg,
     } = serde_json::from_str(text)
-        .map_err(|error| input_error(py, format!("this is no pickled view: {error}")))?;
+        .map_err(|error| input_error(py, format!("this is not a pickled view: {error}")))?;
     let next = NextView { view, world_from_camera, choice, outlook };
     Ok(View { next, waypoints, trajectory_length, joints, turntable_angle_deg })
 }

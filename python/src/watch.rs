@@ -27,8 +27,8 @@ pub fn compute<T: Send>(
 ) -> PyResult<T> {
     let process = std::process::id();
     if *PROCESS.get_or_init(|| process) != process {
-        let fault = Fault::request("this process was forked from one that had used nextview before");
-        let remedy = "start processes by multiprocessing.get_context(\"spawn\"), or \"forkserver\"";
+        let fault = Fault::request("this process was forked from one that had already used nextview");
+        let remedy = "start processes with multiprocessing.get_context(\"spawn\"), or \"forkserver\"";
         return Err(exception(py, fault.with_remedy(remedy)));
     }
     let (done, result) = channel();

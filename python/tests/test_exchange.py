@@ -81,7 +81,7 @@ def test_a_wrong_map_is_refused(tmp_path: Path) -> None:
         with pytest.raises(nextview.DataError, match=path):
             nextview.Map.load(tmp_path / path)
     save("empty.ot", occupancy=np.zeros_like(grid))
-    with pytest.raises(nextview.DataError, match="holds no measured voxel"):
+    with pytest.raises(nextview.DataError, match="contains no measured voxel"):
         nextview.Map.load(tmp_path / "empty.ot")
     far = np.zeros((60_000, 2, 1), dtype=np.uint8)
     far[0, 0, 0] = far[-1, 1, 0] = 2

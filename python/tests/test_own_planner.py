@@ -185,7 +185,7 @@ def test_an_exception_ends_the_scan_and_is_its_cause() -> None:
         ((1, float("nan")), r"returned \(1, nan\), of type tuple"),
         ((1, "much"), "of type tuple"),
         (40, "returned view 40, but there are fewer candidates"),
-        (0, "returned view 0, but it was taken before; expected one of `situation.open_views`"),
+        (0, "returned view 0, but it was already taken; expected one of `situation.open_views`"),
     ],
 )
 def test_a_wrong_view_is_named(answer: object, problem: str) -> None:
@@ -214,13 +214,13 @@ def test_a_planner_may_be_done() -> None:
     [
         ("python:no_such_module:FromAbove", "No module named 'no_such_module'"),
         ("python:own_planners:Nobody", "no attribute 'Nobody'"),
-        ("python:own_planners:no_class", "no_class is no class .hint: it is made without arguments"),
-        ("python:own_planners:NoPlanner", "NoPlanner is neither planner nor gain"),
+        ("python:own_planners:no_class", "no_class is not a class .hint: it must be a class in an importable module"),
+        ("python:own_planners:NoPlanner", "NoPlanner is neither a planner nor a gain"),
         ("python:own_planners:Unfinished", "Unfinished has no method `gain`"),
         ("python:own_planners:WrongRays", 'WrongRays.free_space is "open", expected clear or fades'),
         ("python:own_planners", "expected python:module:Class"),
-        (dict, "dict is neither planner nor gain"),
-        (FromAbove(), "of type FromAbove, expected a name, or a class: .*; pass the class itself"),
+        (dict, "dict is neither a planner nor a gain"),
+        (FromAbove(), "of type FromAbove, expected a name, or a class: .*; pass the class, not an object of it"),
         (own_planners.no_class, "planner` is of type function, expected a name, or a class"),
         ("fastest", "expected one of most-surface"),
     ],
@@ -261,7 +261,7 @@ def test_a_class_whose_name_another_one_took_is_refused(monkeypatch: pytest.Monk
 
     Later.__qualname__, Later.__module__ = "FromAbove", "own_planners"
     monkeypatch.setattr(own_planners, "FromAbove", Later)
-    with pytest.raises(nextview.InputError, match="python:own_planners:FromAbove, but that name leads"):
+    with pytest.raises(nextview.InputError, match="python:own_planners:FromAbove, but that name refers"):
         begin(planner=FromAbove)
     begin(planner=Later)
 

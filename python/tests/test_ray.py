@@ -104,8 +104,8 @@ def test_an_interrupted_campaign_is_resumed(
     command = [sys.executable, "-m", "nextview.ray", "bench", str(spec), "--out", str(out), "--address", cluster]
     ended = subprocess.run(command, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr
-    assert "note: the last line of runs.jsonl is not whole" in ended.stderr
-    assert "2 objects, 12 runs, 5 done before, in " in ended.stderr and "bracket: 6 runs" in ended.stderr
+    assert "note: the last line of runs.jsonl is incomplete" in ended.stderr
+    assert "2 objects, 12 runs, 5 already done, in " in ended.stderr and "bracket: 6 runs" in ended.stderr
     assert tables(out) == alone
     assert len((out / "runs.jsonl").read_text().splitlines()) == N_RUNS
     # Once more: nothing is left to do.
@@ -144,7 +144,7 @@ def test_a_worker_of_another_build_is_refused(
             return taken[0], json.dumps(message)
 
     monkeypatch.setattr(campaigns._native, "Campaign", Another)
-    refusal = r"the build .*\(feedfacebeef\), .*worker.* has the build "
+    refusal = r"build .*\(feedfacebeef\), .*worker.* has build "
     with pytest.raises(nextview.DataError, match=refusal):
         campaigns.bench(spec, out=tmp_path / "out")
     assert (tmp_path / "out" / "runs.jsonl").read_text() == ""

@@ -108,7 +108,7 @@ def test_an_interrupted_scan_is_resumed(tmp_path: Path) -> None:
         scan = begin(out=out)
         run(scan, n_steps)
         scan.save()
-        with pytest.raises(nextview.DataError, match="is being scanned right now"):
+        with pytest.raises(nextview.DataError, match="is in use by a running scan"):
             begin(out=out, force=True)
         del scan
         with pytest.raises(nextview.DataError, match="holds an interrupted scan"):
@@ -125,7 +125,7 @@ def test_an_interrupted_scan_is_resumed(tmp_path: Path) -> None:
         assert not (out / "scan.journal").exists() and (out / "report.html").exists()
         with pytest.raises(nextview.DataError, match="holds no interrupted scan"):
             nextview.resume(out)
-        with pytest.raises(nextview.DataError, match="holds results already"):
+        with pytest.raises(nextview.DataError, match="already holds results"):
             undisturbed.save(out)
         undisturbed.save(out, force=True)
 
@@ -139,7 +139,7 @@ def test_a_finished_scan_that_is_saved_takes_no_more_frames(tmp_path: Path) -> N
     run(scan)
     assert scan.stop_reason is not None and len(scan.steps) == 2
     scan.save()
-    with pytest.raises(nextview.InputError, match="the scan is finished and saved, and takes no more frames"):
+    with pytest.raises(nextview.InputError, match="the scan is finished and saved, and accepts no more frames"):
         scan.observe(ball(first.world_from_camera), first)
     assert len(scan.steps) == 2 and scan.next_view() is None
     scan.save()

@@ -115,4 +115,4 @@ if process.is_alive():
 @pytest.mark.skipif(sys.platform == "win32", reason="nothing forks there")
 def test_a_forked_process_says_that_it_cannot_compute() -> None:
     ended = subprocess.run([sys.executable, "-c", FORKS], capture_output=True, text=True, timeout=120)
-    assert ended.stdout.startswith("this process was forked from one that had used nextview"), ended
+    assert ended.stdout.startswith("this process was forked from one that had already used nextview"), ended

@@ -108,7 +108,7 @@ def read_obj(data):
                 corners += [i - 1 if i > 0 else len(vertices) + i for i in face]
                 n_corners.append(len(face))
         except ValueError:
-            raise Bad(f"line {number}: {line[:40]!r} has something else than numbers") from None
+            raise Bad(f"line {number}: {line[:40]!r} contains something other than numbers") from None
     points = np.array(vertices, dtype=float).reshape(-1, 3)
     corners, n_corners = np.array(corners, dtype=np.int64), np.array(n_corners, dtype=np.int64)
     if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
@@ -120,7 +120,7 @@ def read_stl(data):
     """The mesh of a binary STL file's bytes."""
     n = int.from_bytes(data[80:84], "little")
     if len(data) != 84 + 50 * n:
-        raise Bad(f"is no binary STL: {len(data)} bytes, where {n} triangles take {84 + 50 * n}")
+        raise Bad(f"is not a binary STL: {len(data)} bytes, where {n} triangles take {84 + 50 * n}")
     record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
     table = np.frombuffer(data, record, offset=84)
     return Mesh(table["corners"].reshape(-1, 3).astype(float), np.arange(3 * n).reshape(-1, 3))

@@ -173,11 +173,11 @@ def download(package, folder):
     if not path.exists():
         if package.registry == "Debian":
             command = ["apt-get", "download", f"{package.name}={package.version}"]
-            hint = "`apt-get update` brings apt's lists up to date; Debian 12 has this version"
+            hint = "`apt-get update` updates apt's lists; Debian 12 has this version"
         else:
             command = [sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-deps",
                        "--only-binary", ":all:", "--dest", ".", f"{package.name}=={package.version}"]
-            hint = "pip needs a way to its index"
+            hint = "pip needs access to its index"
         try:
             done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
             why = done.stderr.strip().split("\n")[-1] if done.returncode else ""

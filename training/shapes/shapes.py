@@ -182,12 +182,12 @@ def summary(counts):
 def difference(manifest):
     """How the manifest differs from the expected one, or None."""
     if not EXPECTED.exists():
-        return f"{EXPECTED} is not there to compare with"
+        return f"{EXPECTED} is missing, so the manifest cannot be compared"
     expected, found = EXPECTED.read_bytes().splitlines(), manifest.splitlines()
     if expected == found:
         return None
     missing, new = len(set(expected) - set(found)), len(set(found) - set(expected))
-    return f"the manifest is not that of {EXPECTED}: {missing} lines are missing and {new} are new"
+    return f"the manifest differs from {EXPECTED}: {missing} lines are missing and {new} are new"
 
 
 def main():
@@ -200,7 +200,7 @@ def main():
     if args.count < 1:
         sys.exit(f"error: --count {args.count}: at least 1 mesh is needed")
     if args.out.exists() and (not args.out.is_dir() or any(args.out.iterdir())):
-        sys.exit(f"error: {args.out} is there and not empty\nhint: name a new folder")
+        sys.exit(f"error: {args.out} exists and is not empty\nhint: name a new folder")
     out = args.out.resolve()
     out.parent.mkdir(parents=True, exist_ok=True)
     if args.packages:

@@ -87,10 +87,14 @@ impl Candidates {
         let positions = (0..n).map(|view| point(&mut words, &format!("the position of view {view}")));
         let positions: Vec<_> = positions.collect::<Outcome<_>>()?;
         if let Some(rest) = words.next() {
-            return Err(format!("'{rest}' follows the last of {n} views; nothing should").into());
+            return Err(
+                format!("'{rest}' follows the last of {n} views, expected the end of the file").into()
+            );
         }
         if let Some(&view) = RECORDED_VIEWS.iter().find(|&&view| view >= n) {
-            return Err(format!("{n} views; the recorded run takes view {view}, so more are needed").into());
+            return Err(
+                format!("{n} views, expected more, because the recorded run takes view {view}").into()
+            );
         }
         Ok(Self { positions, center, half })
     }
@@ -98,7 +102,7 @@ impl Candidates {
 
 fn next<'a, T: FromStr>(words: &mut impl Iterator<Item = &'a str>, what: &str) -> Outcome<T> {
     let word = words.next().ok_or_else(|| format!("ends before {what}"))?;
-    word.parse().map_err(|_| format!("{what} is '{word}'; it should be a number").into())
+    word.parse().map_err(|_| format!("{what} is '{word}', expected a number").into())
 }
 
 fn point<'a>(words: &mut impl Iterator<Item = &'a str>, what: &str) -> Outcome<DVec3> {
@@ -106,7 +110,7 @@ fn point<'a>(words: &mut impl Iterator<Item = &'a str>, what: &str) -> Outcome<D
     if point.is_finite() && point.length() < 1e3 {
         return Ok(point);
     }
-    Err(format!("{what} is {point}; it should be within 1000 m of the origin").into())
+    Err(format!("{what} is {point}, expected a point within 1000 m of the origin").into())
 }
 
 fn octree(path: &Path, voxel_size: f64) -> Outcome<Octree> {
@@ -114,9 +118,7 @@ fn octree(path: &Path, voxel_size: f64) -> Outcome<Octree> {
     let file = File::open(path).map_err(|error| format!("{name}: {error}"))?;
     let octree = Octree::read(file).map_err(|error| format!("{name}: {error}"))?;
     if octree.voxel_size() != voxel_size {
-        return Err(
-            format!("{name}: voxels of {} m; they should be {voxel_size} m", octree.voxel_size()).into()
-        );
+        return Err(format!("{name}: voxels of {} m, expected {voxel_size} m", octree.voxel_size()).into());
     }
     Ok(octree)
 }
@@ -126,7 +128,7 @@ fn voxels(path: &Path, voxel_size: f64) -> Outcome<Vec<VoxelKey>> {
     let tree = octree(path, voxel_size)?.expanded(1 << 20).map_err(|e| format!("{}: {e}", path.display()))?;
     let voxels: Vec<_> = tree.leaves().map(|leaf| leaf.min).collect();
     if voxels.is_empty() {
-        return Err(format!("{}: no voxels; there should be those of the object", path.display()).into());
+        return Err(format!("{}: no voxels, expected those of the object", path.display()).into());
     }
     Ok(voxels)
 }

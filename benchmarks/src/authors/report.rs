@@ -50,7 +50,7 @@ impl Report {
         report.rungs("Each slip repaired alone", &[], &ladder::alone(scene, &choices)?)?;
         under_way("draws that last");
         let lasting = ladder::cumulative(scene, &ladder::orders(n, true))?;
-        report.rungs("The same with draws that last for a run", &CURVES[2..], &lasting)?;
+        report.rungs("Draws that last for a run", &CURVES[2..], &lasting)?;
         under_way("weights of the flow");
         let mut weights = ladder::weights(scene, Slips::AUTHORS_CODE, n, "authors-code")?;
         weights.extend(ladder::weights(scene, Slips::PAPER, n, "the paper's formulas")?);

@@ -226,7 +226,7 @@ impl<'a> State<'a> {
         let gain = |view: usize| (1.0 - gamma) * local[view] / all_local + gamma * flow[view] / all_flow;
         let open = (0..local.len()).filter(|view| !self.visited.contains(view));
         let view = open.max_by(|&a, &b| gain(a).total_cmp(&gain(b)).then(b.cmp(&a)));
-        let view = view.ok_or("all views are visited; there should be more than ten")?;
+        let view = view.ok_or("all views are visited, expected more than ten")?;
         self.rays = Some(rays);
         Ok((view, PlanFacts { n_rays, time: start.elapsed() }))
     }

@@ -18,9 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let paths: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
     let [folder, out] = &paths[..] else {
         let n = paths.len();
-        return Err(
-            format!("{n} arguments; there should be the authors' folder and the file to write").into()
-        );
+        return Err(format!("{n} arguments, expected the authors' folder and the file to write").into());
     };
     let effort = match is_quick() {
         true => Effort { n_orders: 2, n_random: 2 },

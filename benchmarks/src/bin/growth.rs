@@ -25,7 +25,7 @@ use std::time::Instant;
 const SWEEPS: [(&str, &str, &[f64]); 4] = [
     ("decision over candidates; 5 mm", "candidates", &[1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5]),
     ("decision over voxel size; 5000 candidates", "voxels per metre", VOXELS_PER_METRE),
-    ("the same with 32 x 24 rays a view", "voxels per metre", VOXELS_PER_METRE),
+    ("decision over voxel size; 32 x 24 rays per view", "voxels per metre", VOXELS_PER_METRE),
     ("map update over image size; 5 mm", "pixels", &[19_200.0, 76_800.0, 307_200.0, 1_228_800.0]),
 ];
 

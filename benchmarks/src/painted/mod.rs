@@ -30,7 +30,7 @@ pub fn write_object(name: &str, folder: &Path) -> Result<PathBuf, Box<dyn Error>
         "bracket" => checks,
         "torus-knot" => rings,
         "package" => return write_package(folder),
-        _ => return Err(format!("{name:?} is none of {NAMES:?}").into()),
+        _ => return Err(format!("{name:?} is not one of {NAMES:?}").into()),
     };
     let mesh = fine(&builtin::by_name(name).ok_or("no such built-in object")?, LONGEST_EDGE)?;
     let path = folder.join(format!("{name}.ply"));

@@ -208,7 +208,7 @@ fn check_number(spec: &Spec, variants: &[Variant], faults: &mut FaultList) {
         "{n} runs ({n_objects} objects x {n_variants} variants x up to {seeds} seeds x {sets} view_seeds x \
          {first_views} first_views), expected at most {MAX_RUNS}"
     );
-    faults.add_without_key(Fault::data(message).with_remedy("make several campaigns of it"));
+    faults.add_without_key(Fault::data(message).with_remedy("split it into several campaigns"));
 }
 
 fn variants(spec: &Spec, faults: &mut FaultList) -> Vec<Variant> {
@@ -222,7 +222,7 @@ fn variants(spec: &Spec, faults: &mut FaultList) -> Vec<Variant> {
         && let Some((label, _, i)) = first_twice(variants.iter().map(|(i, variant)| (&variant.label, i)))
     {
         let fault = Fault::data(format!("two variants are labelled {label:?}"));
-        let remedy = "give each a label of its own; {max_flow.gamma} in it stands for that value";
+        let remedy = "give each its own label; {max_flow.gamma} in a label stands for that value";
         faults.add(&format!("variant.{i}.label"), fault.with_remedy(remedy));
     }
     variants.into_iter().map(|(_, variant)| variant).collect()

@@ -36,7 +36,7 @@ impl Shard {
         if (1..=n_shards).contains(&number) && n_shards <= MAX_SHARDS {
             return Ok(Self { number, n_shards });
         }
-        let expected = "the number of a shard, from 1, and the number of shards, such as 3/64";
+        let expected = "a shard number, from 1, and the number of shards, such as 3/64";
         Err(Fault::of_value("shard", format!("{number}/{n_shards}"), expected))
     }
 
@@ -76,7 +76,9 @@ impl FromStr for Shard {
             text.split_once('/').and_then(|(number, n)| Some((number.parse().ok()?, n.parse().ok()?)));
         match parts {
             Some((number, n_shards)) => Self::new(number, n_shards),
-            None => Err(Fault::of_value("shard", text, "a number and how many there are, such as 3/64")),
+            None => {
+                Err(Fault::of_value("shard", text, "a shard number and the number of shards, such as 3/64"))
+            }
         }
     }
 }

@@ -110,10 +110,7 @@ fn a_listed_first_view_below_the_table_is_a_failed_run() {
     for run in runs_on_a_table(&Folder::new("listed-first-view"), "[19]") {
         let reason = run.failure().unwrap();
         assert!(reason.starts_with("`first_view` is 19, expected 0 to "), "{reason}");
-        assert!(
-            reason.ends_with("(only candidates above the table count; they are numbered anew)"),
-            "{reason}"
-        );
+        assert!(reason.ends_with("(only candidates above the table count; they are renumbered)"), "{reason}");
     }
 }
 
@@ -312,7 +309,7 @@ fn a_torn_line_is_noted_and_done_again() {
     let bytes = fs::read(&path).unwrap();
     fs::write(&path, &bytes[..bytes.len() - 9]).unwrap();
     let (store, events) = campaign(&folder, Some(1));
-    let note = "the last line of runs.jsonl is not whole; its run is done again";
+    let note = "the last line of runs.jsonl is incomplete; its run is repeated";
     assert_eq!(events[0], CampaignEvent::Note(note.to_owned()));
     assert_eq!(events[1], CampaignEvent::Began { n_objects: 2, n_runs: N_RUNS, n_finished: N_RUNS - 1 });
     assert_eq!(lasting_tables(&folder, &store), expected);

@@ -233,3 +233,62 @@ fn every_page_is_in_the_book() {
     let missing: Vec<PathBuf> = pages().into_iter().filter(is_missing).collect();
     assert!(missing.is_empty(), "docs/SUMMARY.md does not list {missing:?}");
 }
+
+/// Phrases that are not English; `…` stands for a word or two.
+const NOT_ENGLISH: [&str; 17] = [
+    "The same with",
+    "none where",
+    "none without",
+    "`None` without",
+    "as it lies",
+    "hangs together with",
+    "comes about",
+    "that which",
+    "whoever",
+    "Whoever",
+    "is to go to",
+    "are to go to",
+    "from … on joins",
+    "Runs that never happened",
+    "beside the truth",
+    "All others can add",
+    "with what it carries",
+];
+
+/// A text in one line, without the marks of comments and continued strings, and the line number of each byte.
+fn flat(text: &str) -> (String, Vec<usize>) {
+    let (mut flat, mut lines) = (String::new(), Vec::new());
+    for (i, line) in text.lines().enumerate() {
+        let words = line.split_whitespace();
+        for word in words.filter(|word| !["//", "///", "//!", "#", "\\"].contains(word)) {
+            flat.push_str(word);
+            flat.push(' ');
+            lines.resize(flat.len(), i + 1);
+        }
+    }
+    (flat, lines)
+}
+
+#[test]
+fn comments_messages_and_pages_are_english() {
+    const FORMATS: [&str; 12] =
+        ["cpp", "hpp", "html", "js", "json", "md", "py", "pyi", "rs", "sh", "toml", "txt"];
+    let mut sources = Vec::new();
+    FORMATS.iter().for_each(|format| files(&workspace(), format, &mut sources));
+    sources.extend(fs::read_dir(workspace().join(".ci")).unwrap().map(|entry| entry.unwrap().path()));
+    let is_exempt = |source: &PathBuf| source.ends_with("CHANGELOG.md") || source.ends_with("tests/texts.rs");
+    let mut faults = Vec::new();
+    for source in sources.into_iter().filter(|source| source.is_file() && !is_exempt(source)) {
+        let (text, lines) = flat(&String::from_utf8_lossy(&fs::read(&source).unwrap()));
+        for phrase in NOT_ENGLISH {
+            let (head, tail) = phrase.split_once('…').unwrap_or((phrase, ""));
+            for (at, _) in text.match_indices(head) {
+                let after: String = text[at + head.len()..].chars().take(20 + tail.len()).collect();
+                if after.contains(tail) {
+                    faults.push(format!("{}:{}: {phrase}", source.display(), lines[at]));
+                }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "expected plain English:\n{}", faults.join("\n"));
+}

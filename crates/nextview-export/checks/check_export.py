@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Opens every export of a scan with the tool that it is for, or with a reader of the published format:
+"""Opens every export of a scan with its tool, or with a reader of the published format:
 
     crates/nextview-export/checks/check_export.py target/debug/nextview          # COLMAP, PCL; readers for the rest
     crates/nextview-export/checks/check_export.py target/debug/nextview --full   # Open3D and trimesh, too

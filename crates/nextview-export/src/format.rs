@@ -56,7 +56,9 @@ impl Named for Format {
             Self::Obj => "the mesh with a texture from the colour images: .obj, .mtl and .png",
             Self::Open3d => "colour and depth images with a camera trajectory (.json, .log)",
             Self::Pcd => "the cloud for the Point Cloud Library",
-            Self::Tum => "sequence of the TUM RGB-D benchmark, which `scan --frames` reads, too",
+            Self::Tum => {
+                "sequence in the format of the TUM RGB-D benchmark, which `scan --frames` also reads"
+            }
         }
     }
 }

@@ -25,8 +25,8 @@ impl Scanned {
         let table = ScanRecord::read(dir)?.table();
         let frames = dir.join(FRAMES_FOLDER);
         if !frames.is_dir() {
-            let fault = Fault::data("holds no frames of the scan: there is no folder frames").in_file(dir);
-            return Err(fault.with_remedy("scan again: a scan leaves its frames there").into());
+            let fault = Fault::data("holds no frames of the scan: the folder frames is missing").in_file(dir);
+            return Err(fault.with_remedy("scan again: a scan saves its frames there").into());
         }
         let recording = Recording::open(&frames, &ReadOptions::default())?;
         let views = recording.frames.par_iter().map(view).collect::<Result<Vec<_>, Fault>>()?;
@@ -43,10 +43,12 @@ impl Scanned {
         let uncolored = self.views.iter().find(|view| view.color.is_none());
         if let Some(view) = uncolored.filter(|_| format.needs_color()) {
             let message = format!("frame {} has no colour image, which {format} requires", view.number);
-            return Err(Fault::data(message).with_remedy("scan with colour images beside the depth"));
+            return Err(
+                Fault::data(message).with_remedy("scan with colour images in addition to depth images")
+            );
         }
         if self.object.triangles.is_empty() && format.needs_mesh() {
-            return Err(Fault::data("the mesh has no triangle above the table, so that there is no object"));
+            return Err(Fault::data("the mesh has no triangle above the table, so there is no object"));
         }
         Ok(())
     }

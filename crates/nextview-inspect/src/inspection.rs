@@ -57,8 +57,8 @@ pub fn reference_of(
     ScanRecord::read(results)?;
     let mut of_scan = ScanConfig::load(&results.join("config.toml"), None)?;
     mesh.into_iter().for_each(|mesh| of_scan.set_reference(mesh));
-    let missing = || Fault::request("the scan knew no CAD model, and none is named");
-    let reference = of_scan.reference.ok_or_else(|| missing().with_remedy("name it as `reference.mesh`"))?;
+    let missing = || Fault::request("the scan has no CAD model, and none is given");
+    let reference = of_scan.reference.ok_or_else(|| missing().with_remedy("set `reference.mesh`"))?;
     Ok(ReferenceConfig { unit: unit.unwrap_or(reference.unit), ..reference })
 }
 

@@ -6,10 +6,10 @@ impl InspectionRecord {
         let percent = |share: f64| format!("{:.1} %", 1e2 * share);
         let standard_error = match self.standard_error_median_mm {
             Some(error) => format!(
-                "{error:.3} mm (median), {:.3} mm of it common to neighbouring points",
+                "{error:.3} mm (median), of which neighbouring points share {:.3} mm",
                 self.correlated_error_mm
             ),
-            None => "not known: most patches hold too few points; try larger ones".to_owned(),
+            None => "unknown: most patches hold too few points; try larger ones".to_owned(),
         };
         let mut text = format!(
             "points                 {}\n\
@@ -37,7 +37,7 @@ impl InspectionRecord {
             let label = format!("seen within {}°", surface.angle_deg);
             let density = match surface.points_per_mm2 {
                 0.0 => String::new(),
-                density => format!(", with {density} points/mm² and more"),
+                density => format!(", with at least {density} points/mm²"),
             };
             text += &format!("{label:23}{} of {}{density}\n", percent(surface.measured_share), surface.name);
         }

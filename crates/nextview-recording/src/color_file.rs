@@ -52,11 +52,11 @@ fn decode_png(bytes: &[u8], intrinsics: &Intrinsics) -> Result<Vec<u8>, Recordin
 }
 
 fn decode_jpeg(bytes: &[u8], intrinsics: &Intrinsics) -> Result<Vec<u8>, RecordingError> {
-    let broken = |error: JpegError| RecordingError::Content(format!("is no whole JPEG image: {error}"));
+    let broken = |error: JpegError| RecordingError::Content(format!("is not a complete JPEG image: {error}"));
     let mut decoder = jpeg_decoder::Decoder::new(bytes);
     decoder.read_info().map_err(broken)?;
     let info =
-        decoder.info().ok_or_else(|| RecordingError::Content("is a JPEG image without a head".into()))?;
+        decoder.info().ok_or_else(|| RecordingError::Content("is a JPEG image without a header".into()))?;
     check_kind(info.pixel_format == PixelFormat::RGB24, || format!("a JPEG image, {:?}", info.pixel_format))?;
     check_size((info.width.into(), info.height.into()), intrinsics)?;
     decoder.decode().map_err(broken)
@@ -73,8 +73,8 @@ pub(crate) fn check_size(size: (u32, u32), intrinsics: &Intrinsics) -> Result<()
         return Ok(());
     }
     Err(RecordingError::Content(format!(
-        "the colour image has {} x {} pixels, expected those of the depth, {} x {}; colour that does not show what the depth \
-         measures, pixel by pixel, is better left out of the recording",
+        "the colour image has {} x {} pixels, expected the size of the depth image, {} x {}; leave out \
+         colour images that are not aligned with the depth images pixel by pixel",
         size.0, size.1, expected.0, expected.1
     )))
 }

@@ -118,7 +118,7 @@ pub(crate) fn check_size(width: u32, height: u32, intrinsics: &Intrinsics) -> Re
         return Ok(());
     }
     Err(RecordingError::Content(format!(
-        "the image has {width} x {height} pixels, the intrinsics are for {} x {}",
+        "the image has {width} x {height} pixels, but the intrinsics are for {} x {}",
         expected.0, expected.1
     )))
 }
@@ -127,6 +127,6 @@ pub(crate) fn check_size(width: u32, height: u32, intrinsics: &Intrinsics) -> Re
 pub(crate) fn broken(error: DecodingError) -> RecordingError {
     match error {
         DecodingError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => error.into(),
-        error => RecordingError::Content(format!("is no whole PNG image: {error}")),
+        error => RecordingError::Content(format!("is not a complete PNG image: {error}")),
     }
 }

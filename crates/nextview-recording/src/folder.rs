@@ -51,13 +51,13 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
     for (number, row) in rows {
         let Some(path) = images.remove(&number) else {
             let what = format!("the pose of frame {number} (poses.csv, line {})", row.line);
-            skipped.push(Skipped { what, why: "depth/ has no image of that number".into() });
+            skipped.push(Skipped { what, why: "depth/ has no image with that number".into() });
             continue;
         };
         let name = format!("frame {number}");
         let mask = masks.as_mut().map(|masks| masks.remove(&number));
         if mask == Some(None) {
-            skipped.push(Skipped { what: name, why: "mask/ has no image of that number".into() });
+            skipped.push(Skipped { what: name, why: "mask/ has no image with that number".into() });
             continue;
         }
         frames.push(RecordedFrame {
@@ -71,7 +71,7 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
     }
     skipped.extend(images.into_keys().map(|number| Skipped {
         what: format!("the image of frame {number}"),
-        why: "poses.csv has no row of that frame".into(),
+        why: "poses.csv has no row for that frame".into(),
     }));
     Ok(Recording { intrinsics, frames, skipped, notes })
 }
@@ -80,7 +80,10 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
 fn note(rows: &BTreeMap<u32, Row>) -> Option<String> {
     let worst = rows.values().map(|row| row.rigid.error).fold(0.0, f64::max);
     (worst > NOTED).then(|| {
-        format!("the rotations in poses.csv have scale or shear of up to {:.1} %; the nearest ones without are used", 1e2 * worst)
+        format!(
+            "the rotations in poses.csv have scale or shear of up to {:.1} %; the nearest pure rotations are used",
+            1e2 * worst
+        )
     })
 }
 
@@ -100,11 +103,11 @@ fn images(folder: &Path, extensions: &[&str]) -> Result<BTreeMap<u32, PathBuf>, 
         let number = stem.parse().map_err(|_| {
             let example = extensions[0];
             let problem =
-                format!("is no number of a frame, expected names such as 000.{example} and 001.{example}");
+                format!("is not a frame number, expected names such as 000.{example} and 001.{example}");
             RecordingError::Content(problem).in_file(&path)
         })?;
         if let Some(other) = images.get(&number) {
-            let problem = format!("frame {number} has another image, {}", other.display());
+            let problem = format!("frame {number} already has an image, {}", other.display());
             return Err(RecordingError::Content(problem).in_file(&path));
         }
         images.insert(number, path);
@@ -122,7 +125,7 @@ pub(crate) fn rows(text: &str, options: &ReadOptions) -> Result<BTreeMap<u32, Ro
     for line in lines {
         let (number, row) = columns.row(&line)?;
         if let Some(other) = rows.get(&number) {
-            return Err(line.error(format!("frame {number} is in line {} already", other.line)));
+            return Err(line.error(format!("frame {number} is already in line {}", other.line)));
         }
         times.extend(row.timestamp_s.map(|time| Stamped { time, place: line.place(), value: () }));
         rows.insert(number, row);
@@ -245,7 +248,7 @@ mod tests {
         for (rows, expected) in [
             (String::new(), "holds no pose"),
             (row("1", "0.1") + &row("1", "0.2"), "line 3: frame 1 is in line 2 already"),
-            (row("1", "0.1") + &row("2", "0.1"), "line 3: has the timestamp 0.1 of line 2 again"),
+            (row("1", "0.1") + &row("2", "0.1"), "line 3: has the same timestamp, 0.1, as line 2"),
             (row("1", "nan"), "line 2: the timestamp is NaN"),
             (row("-1", "0.1"), "line 2: frame is '-1', expected a whole number"),
             (row("1", "0.1").replace("0.2", "x"), "line 2: column 10 is 'x', expected a number"),

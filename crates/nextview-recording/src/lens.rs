@@ -14,8 +14,8 @@ pub(crate) struct Lens {
     pub depth_unit: f64,
 }
 
-const EXPECTED: &str = "expected a line each for width, height, fx, fy, cx and cy, such as `fx 525.0`, and if need be \
-                        depth_unit_m and distortion";
+const EXPECTED: &str = "expected a line each for width, height, fx, fy, cx and cy, such as `fx 525.0`, and \
+                        optionally depth_unit_m and distortion";
 
 /// Reads the file. `depth_unit` is the default in metres if the file does not state it.
 pub(crate) fn read(path: &Path, depth_unit: f64) -> Result<Lens, RecordingError> {
@@ -81,10 +81,10 @@ impl<'a> Fields<'a> {
             let mut values = line.words();
             let name = values.remove(0);
             if !Self::NAMES.contains(&name) {
-                return Err(line.error(format!("'{name}' is no name; {EXPECTED}")));
+                return Err(line.error(format!("'{name}' is not a known name; {EXPECTED}")));
             }
             if let Some(other) = fields.iter().find(|field| field.name == name) {
-                return Err(line.error(format!("{name} is in line {} already", other.line.number)));
+                return Err(line.error(format!("{name} is already in line {}", other.line.number)));
             }
             fields.push(Field { line, name, values });
         }
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn faults_name_line_value_and_remedy() {
         for (line, expected) in [
-            ("zoom 2", "line 8: 'zoom' is no name; expected a line each for width"),
+            ("zoom 2", "line 8: 'zoom' is not a known name; expected a line each for width"),
             ("fx 1", "line 8: fx is in line 4 already"),
             ("depth_unit_m -1", "depth_unit_m is -1, expected a positive"),
             ("depth_unit_m x", "line 8: depth_unit_m is 'x', expected a number"),

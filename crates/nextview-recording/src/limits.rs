@@ -39,7 +39,7 @@ const FREE_CHUNKS: u64 = 1 << 30;
 /// Opens a regular file: devices and pipes may never end.
 pub(crate) fn open(path: &Path) -> Result<File, RecordingError> {
     if !path.metadata()?.is_file() {
-        return Err(RecordingError::Content("is not a regular file, expected a file".into()));
+        return Err(RecordingError::Content("is not a regular file".into()));
     }
     Ok(File::open(path)?)
 }
@@ -90,8 +90,8 @@ pub(crate) fn check_pixels(
         return Ok(());
     }
     Err(RecordingError::Content(format!(
-        "the images have {} x {} = {n_pixels} pixels, expected at most {max} in {n_images} images of {n_bytes} bytes \
-         together",
+        "the images have {} x {} = {n_pixels} pixels, expected at most {max} in {n_images} images of \
+         {n_bytes} bytes in total",
         intrinsics.width(),
         intrinsics.height()
     )))

@@ -16,7 +16,7 @@ impl Recording {
             Ok(_) if is_there("poses.csv") => folder::read(path, options),
             Ok(_) if is_there("depth.txt") || is_there("groundtruth.txt") => tum::read(path, options),
             Ok(_) => Err(RecordingError::Content(
-                "is no recording, expected a folder with poses.csv, intrinsics.txt and depth/, or a folder of TUM RGB-D with \
+                "is not a recording, expected a folder with poses.csv, intrinsics.txt and depth/, or a folder of TUM RGB-D with \
                  depth.txt, groundtruth.txt and intrinsics.txt, or an .mcap file"
                     .into(),
             )),

@@ -149,8 +149,9 @@ impl ReadOptions {
     /// Fails on the first value that is out of range.
     pub fn check(&self) -> Result<(), RecordingError> {
         if let (Some(topic), Some(frame)) = (&self.pose_topic, &self.world_frame) {
-            let problem =
-                format!("poses come from the topic {topic} or from transforms, expected no frame {frame}");
+            let problem = format!(
+                "poses come either from the topic {topic} or from transforms, so leave out the frame {frame}"
+            );
             return Err(RecordingError::Option { key: "world_frame", problem });
         }
         let tolerance = self.pose_tolerance_s;

@@ -56,7 +56,7 @@ pub(crate) fn from_rows(m: [f64; 12]) -> Result<Rigid, String> {
     let determinant = rotation.determinant();
     if error > TOLERANCE {
         return Err(format!(
-            "the rotation is not rigid: its rows are off unit length or right angles by {error:.3}, its determinant is \
+            "the rotation is not rigid: its rows deviate from unit length or right angles by {error:.3}, its determinant is \
              {determinant:.3}; expected a rotation, row by row, within {TOLERANCE}"
         ));
     }
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn what_is_not_rigid_is_refused() {
-        assert!(refused(|m| m[10] = 1.02).contains("off unit length or right angles by 0.040"));
+        assert!(refused(|m| m[10] = 1.02).contains("deviate from unit length or right angles by 0.040"));
         assert!(refused(|m| m[10] = -1.0).contains("mirrors"));
         assert!(refused(|m| m[2] = 0.1).contains("not rigid"));
         assert!(refused(|m| m.fill(0.0)).contains("determinant is 0.000"));

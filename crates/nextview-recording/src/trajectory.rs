@@ -23,7 +23,7 @@ impl<T> Stamped<T> {
         entries.sort_by(|a, b| a.time.total_cmp(&b.time));
         match entries.windows(2).find(|pair| pair[0].time == pair[1].time) {
             Some([first, again]) => {
-                let problem = format!("has the timestamp {} of {} again", again.time, first.place);
+                let problem = format!("has the same timestamp, {}, as {}", again.time, first.place);
                 Err(RecordingError::format(&again.place, problem))
             }
             _ => Ok(entries),
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn times_are_finite_and_come_once() {
         let error = |times: &[f64]| Stamped::sorted(stamped(times)).unwrap_err().to_string();
-        assert_eq!(error(&[2.0, 1.0, 2.0]), "line 3: has the timestamp 2 of line 1 again");
+        assert_eq!(error(&[2.0, 1.0, 2.0]), "line 3: has the same timestamp, 2, as line 1");
         assert!(error(&[1.0, f64::NAN]).contains("line 2: the timestamp is NaN"));
     }
 }

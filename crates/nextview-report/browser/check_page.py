@@ -1,10 +1,10 @@
-"""Opens pages of scans in Chromium and looks for what only a browser shows.
+"""Opens pages of scans in Chromium and looks for faults that only a browser shows.
 
     python check_page.py report.html ...
 
-needs Debian's chromium (or another one, as CHROMIUM names it), `pip install playwright`, whose own browser is
-not used, and npm, from which axe-core comes once into the folder AXE_DIR (by default a temporary one).
-Without a browser it says so and does nothing.
+Needs Debian's chromium (or another one, named by CHROMIUM), `pip install playwright`, whose own browser is not used,
+and npm, which downloads axe-core once into the folder AXE_DIR (by default a temporary one). Without a browser, it
+reports SKIPPED.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def axe_source() -> str:
 
 
 def check(browser, path: Path, axe: str) -> list[str]:
-    """What is wrong with a page, in light and dark, at a desk and on a phone."""
+    """The faults of a page, in light and dark, on a desktop and on a phone."""
     wrong = []
     for scheme in ("light", "dark"):
         for name, (width, height) in SIZES.items():

@@ -117,11 +117,10 @@ fn sizes_that_are_none_are_refused_all_at_once() {
     let error = Checker::new(arm, vec![], vec![obstacle], 0.0).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "clearance_m is 0, expected 0.001 to 1; \
-         joint 2: velocity 0 and acceleration 5, expected positive numbers; \
-         joint 5: range -6.283185307179586 to NaN, expected one that has ends; \
-         upper arm: half of the sides of a box is [1, 0, 1], expected positive metres; \
-         ball: radius of a sphere is NaN, expected positive metres"
+        "clearance_m is 0, expected 0.001 to 1; joint 2: velocity 0 and acceleration 5, expected positive \
+         numbers; joint 5: range -6.283185307179586 to NaN, expected a bounded range; upper arm: half of the \
+         sides of a box is [1, 0, 1], expected positive metres; ball: radius of a sphere is NaN, expected \
+         positive metres"
     );
 }
 
@@ -133,7 +132,7 @@ fn joints_may_turn_without_end_and_not_slide_without_end() {
     arm.joints[5].limits.upper = f64::INFINITY;
     assert_eq!(touching_links(&arm).unwrap(), cell::arm().may_touch);
     arm.joints[5].kind = JointKind::Prismatic;
-    assert!(touching_links(&arm).unwrap_err().to_string().contains("expected one that has ends"));
+    assert!(touching_links(&arm).unwrap_err().to_string().contains("expected a bounded range"));
     arm.links.pop();
     let error = Checker::new(arm, vec![], vec![], 0.01).unwrap_err();
     assert!(error.to_string().starts_with("the arm has 6 links, expected one more than its 6 joints"));

@@ -1,4 +1,4 @@
-"""Checks the node against another implementation of DDS, Cyclone, and the messages of `rosbags`.
+"""Checks the node against Cyclone, another implementation of DDS, and the messages of `rosbags`.
 
 check_node.py NODE SIMULATED_CAMERA [--full]
 
@@ -165,7 +165,7 @@ def check_transforms(reference):
     reply = robot.capture(pose, move=lambda *_: None)
     assert not reply.success and "no transform names the frame 'map'" in reply.message, reply.message
     reply = robot.capture(pose, move=lambda robot, pose, at: robot.publish_tf(pose, at - 0.5))
-    assert not reply.success and "is known until" in reply.message, reply.message
+    assert not reply.success and "is known only until" in reply.message, reply.message
     assert robot.capture(pose).success
     robot.until("plan", lambda status: status["busy"] == 0)
     time.sleep(0.05)
@@ -236,13 +236,13 @@ def check_bad_input():
     # The simulation begins anew.
     robot.time -= 500.0
     reply = robot.capture(pose)
-    assert reply.success or "stamp is before" in reply.message, reply.message
+    assert reply.success or "stamp is earlier" in reply.message, reply.message
     if not reply.success:
         assert robot.capture(pose).success
     # Another camera.
     robot.publish_info(width=WIDTH + 2)
     status = robot.until("other camera", lambda status: "scan" in status["problems"])
-    assert "camera_info is not that of the scan" in status["problems"]["scan"], status
+    assert "camera_info differs from that of the scan" in status["problems"]["scan"], status
     lines = node.lines()
     robot.close()
     node.stop()

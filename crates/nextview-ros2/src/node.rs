@@ -68,7 +68,7 @@ async fn spin(names: &Names, parameters: Parameters) -> Result<(), String> {
             Some(ticket) = requests.next() => answers.extend(node.ask(ticket)),
             Some(message) = messages.next() => node.take(message),
             report = reports.recv() => match report {
-                None => return Err("the scan has failed by a fault of its own; its frames are kept".to_owned()),
+                None => return Err("the scan has failed with an internal error; its frames are kept".to_owned()),
                 Some(Report::Outputs(outputs)) => seen = outputs,
                 Some(Report::State(state)) => node.state = state,
                 Some(Report::Done { askers, answer }) => answers.extend(node.done(askers, &answer)),
@@ -131,7 +131,7 @@ impl Node {
         let refused =
             |message: &str| Some((ticket, TriggerResponse { success: false, message: message.to_owned() }));
         if self.n_orders >= MAX_ORDERS || self.askers.len() >= MAX_ORDERS {
-            return refused("too many requests wait already: ask again later");
+            return refused("too many requests are waiting: try again later");
         }
         let job = match (service, self.camera.intrinsics) {
             (Service::Capture, _) => {
@@ -146,7 +146,7 @@ impl Node {
             (Service::Save, _) => Job::Save,
             (Service::Reset, Some(camera)) => Job::Reset(camera),
             (Service::Reset, None) => {
-                return refused("no camera_info has come, expected it on depth/camera_info");
+                return refused("no camera_info has arrived, expected it on depth/camera_info");
             }
         };
         self.order(job, vec![ticket]);

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Checks what the program prints and writes against the JSON Schemas beside this file.
+"""Checks the output of the program against the JSON Schemas in this folder.
 
     check.py target/debug/nextview
 
-Needs the package jsonschema. A key that the schema does not name is a fault, too. A recording with true poses is checked if
+Needs the package jsonschema. A key that is not in the schema is also a fault. A recording with true poses is checked if
 the reference data is there, in the folder that NEXTVIEW_DATA names; else it is reported as SKIPPED.
 """
 

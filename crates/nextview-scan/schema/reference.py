@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes docs/configuration.md, every key of a configuration, from scan_config.json beside this file.
+"""Writes docs/configuration.md, every key of a configuration, from scan_config.json in this folder.
 
     reference.py           # writes it
     reference.py --check   # fails if it would write something else
@@ -150,7 +150,7 @@ def main():
     if sys.argv[1:] == ["--check"]:
         kept = PAGE.read_text(encoding="utf-8") if PAGE.exists() else ""
         if kept != text:
-            sys.exit(f"{PAGE.resolve()} is not what the types say: write it anew with {pathlib.Path(__file__).name}")
+            sys.exit(f"{PAGE.resolve()} differs from the types: rewrite it with {pathlib.Path(__file__).name}")
     elif sys.argv[1:]:
         sys.exit(__doc__)
     else:

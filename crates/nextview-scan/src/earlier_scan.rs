@@ -10,7 +10,7 @@ use nextview::session::shown_object;
 use nextview_recording::{ReadOptions, RecordedFrame, Recording};
 use std::path::{Path, PathBuf};
 
-const RESTORE: &str = "put the files of that scan back, or scan the object again";
+const RESTORE: &str = "restore the files of that scan, or scan the object again";
 
 /// A finished scan of an object that has been turned since.
 pub(crate) struct EarlierScan {
@@ -27,8 +27,8 @@ impl EarlierScan {
         let fault = |problem: &str, remedy: &str| Fault::data(problem).in_file(dir).with_remedy(remedy);
         if record.turn.is_some() {
             return Err(fault(
-                "holds a scan that went on after another one: nothing can go on after both",
-                "`after` names the results of a scan that was the first of its object",
+                "holds a scan that continued another one, and cannot be continued itself",
+                "set `after` to the results of the first scan of the object",
             ));
         }
         let Recording { frames, skipped, .. } =
@@ -42,13 +42,13 @@ impl EarlierScan {
         if frames.len() > record.steps.len() {
             let (n, n_steps) = (frames.len(), record.steps.len());
             let problem =
-                format!("holds {n} frames, but record.json is of {n_steps}: they are not of one scan");
+                format!("holds {n} frames, but record.json has {n_steps}: they are from different scans");
             return Err(fault(&problem, RESTORE));
         }
         let Some(table) = record.table() else {
             return Err(fault(
                 "holds a scan without a table, so the side on which the object stood is unknown",
-                "scan an object that is to be turned with `object_box.table` = fit or known",
+                "if the object will be turned, scan it with `object_box.table` = fit or known",
             ));
         };
         let (Some(min), Some(max)) = (record.box_min_m, record.box_max_m) else {
@@ -104,8 +104,8 @@ fn check_there(dir: &Path) -> Result<(), Fault> {
     if dir.exists() {
         return Ok(());
     }
-    let fault = Fault::data("holds no results of a scan to go on after: it is not there").in_file(dir);
-    Err(fault.with_remedy("put that folder back, or start where its path leads to it"))
+    let fault = Fault::data("holds no results of a scan to continue: it does not exist").in_file(dir);
+    Err(fault.with_remedy("restore that folder, or start in the folder to which its path is relative"))
 }
 
 fn named_from(dir: &Path, after: &Path) -> PathBuf {
@@ -151,9 +151,6 @@ mod tests {
         assert_eq!(after("scans/mug").found_from(&moved.join("turned")), after("scans/mug"));
         fs::remove_dir_all(&folder).unwrap();
         let fault = found.check_earlier().unwrap_err().to_string();
-        assert!(
-            fault.ends_with("mug: holds no results of a scan to go on after: it is not there"),
-            "{fault}"
-        );
+        assert!(fault.ends_with("mug: holds no results of a scan to continue: it does not exist"), "{fault}");
     }
 }

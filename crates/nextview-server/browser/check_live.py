@@ -1,9 +1,9 @@
-"""Scans a mug through a server while the live page is open in Chromium, and looks for what is wrong with it.
+"""Scans a mug through a server while the live page is open in Chromium, and looks for faults of the page.
 
     python check_live.py PROGRAM TAKE_FRAME [FOLDER]
 
-PROGRAM is `nextview`, TAKE_FRAME the example of that name; with FOLDER, pictures of the page go there. Needs what
-`check_page.py` needs. Without a browser it says so and does nothing.
+PROGRAM is `nextview`, TAKE_FRAME the example of that name; with FOLDER, pictures of the page go there. It has the
+requirements of `check_page.py`. Without a browser, it reports SKIPPED.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def watch_scan(check: Check, robot: Robot, server: Server) -> None:
     """A scan from its first frame to its results."""
     page = check.page
     page.goto(server.page("mug"))
-    check.wait("#next-text", "The camera is to go to")
+    check.wait("#next-text", "Move the camera to")
     check.expect("token" not in page.url, "the token stays in the address")
     check.expect(page.is_disabled("#downloads button >> nth=0"), "files are offered before the first frame")
     check.take("no-frame")
@@ -128,7 +128,7 @@ def guide(check: Check, robot: Robot) -> None:
         check.wrong.append("a camera without registration was located")
     except urllib.error.HTTPError as error:
         check.expect(error.code == 409, f"a lost camera is answered {error.code}")
-    check.wait("#tracking", "not known where the camera is")
+    check.wait("#tracking", "The position of the camera is unknown")
     check.expect(check.page.is_hidden("#guidance"), "a lost camera is guided")
     check.take("lost")
     robot.server.ask(f"/scans/{robot.scan}/guidance", {"world_from_camera": robot.next()["view"]["world_from_camera"]})
@@ -193,13 +193,13 @@ def accept_and_delete(check: Check, server: Server) -> None:
     """A scan whose views somebody accepts, until it is deleted."""
     server.ask("/scans", new_scan("asked", confirm_views=True))
     check.page.goto(server.page("asked"))
-    check.wait("#next-text", "waits to be accepted")
+    check.wait("#next-text", "to be accepted")
     check.page.click("#accept")
-    check.wait("#next-text", "The camera is to go to")
+    check.wait("#next-text", "Move the camera to")
     check.page.select_option("#scans", "mug")
     check.wait("#next-text", "The scan is finished")
     check.page.select_option("#scans", "asked")
-    check.wait("#next-text", "The camera is to go to")
+    check.wait("#next-text", "Move the camera to")
     server.ask("/scans/asked", method="DELETE")
     check.wait("#connection", "deleted")
     check.expect(check.page.is_disabled("#finish"), "a scan that is gone can be finished")

@@ -1,4 +1,4 @@
-"""A server, a simulated robot that scans through it, and a browser: what the scripts beside it share."""
+"""A server, a simulated robot that scans through it, and a browser, shared by the scripts in this folder."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Server:
                 raise SystemExit("the server ended before it listened")
             name, _, rest = line.strip().partition(" http")
             said[name.strip(":")] = "http" + rest
-        self.address = said["listens on"]
+        self.address = said["listening on"]
         self.token = said["page"].rpartition("#token=")[2]
 
     def __enter__(self) -> Server:
@@ -86,6 +86,6 @@ class Robot:
 
 
 def start_browser(playwright):
-    """Debian's Chromium, or the one that CHROMIUM names; none where there is none."""
+    """Debian's Chromium, or the one that CHROMIUM names; None if it is missing."""
     chromium = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
     return chromium and playwright.chromium.launch(executable_path=chromium, args=FLAGS)

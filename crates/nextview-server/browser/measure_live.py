@@ -1,4 +1,4 @@
-"""Measures the live page at a scan of 20 frames of 640 x 480 pixels: bytes from the server, frames a second.
+"""Measures the live page during a scan of 20 frames of 640 x 480 pixels: bytes from the server, frames per second.
 
     python measure_live.py PROGRAM TAKE_FRAME
 
@@ -38,7 +38,7 @@ def measure(page, robot: Robot, server: Server) -> None:
     network.send("Network.enable")
     network.on("Network.dataReceived", lambda data: received.__setitem__(0, received[0] + data["dataLength"]))
     page.goto(server.page("mug"))
-    page.wait_for_function("() => document.getElementById('next-text').textContent.includes('go to')")
+    page.wait_for_function("() => document.getElementById('next-text').textContent.includes('Move the camera to')")
     before = received[0]
     for i in range(1, N_FRAMES + 1):
         robot.step()

@@ -28,14 +28,14 @@ impl App {
     pub fn check_room(&self) -> Result<(), Refusal> {
         let most = self.limits.memory_mb;
         if let Some(now) = memory::now_mb().filter(|now| *now > most as f64) {
-            let message = format!("the server holds {now:.0} MB of memory, its limit is {most} MB");
+            let message = format!("the server uses {now:.0} MB of memory, and its limit is {most} MB");
             let fault = Fault::request(message).with_remedy("finish or delete scans");
             return Err(Refusal::new(StatusCode::SERVICE_UNAVAILABLE, fault));
         }
         let least = self.limits.free_disk_mb;
         if let Some(free) = self.scans.free_disk_mb().filter(|free| *free < least) {
-            let message = format!("{free} MB of the server's disk are free, {least} MB are to stay free");
-            let fault = Fault::request(message).with_remedy("make room on the server's disk");
+            let message = format!("the server's disk has {free} MB free, but {least} MB must stay free");
+            let fault = Fault::request(message).with_remedy("free space on the server's disk");
             return Err(Refusal::new(StatusCode::SERVICE_UNAVAILABLE, fault));
         }
         Ok(())

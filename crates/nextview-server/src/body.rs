@@ -33,7 +33,7 @@ pub(crate) async fn receive(app: &App, headers: &HeaderMap, body: Body) -> Resul
     };
     tokio::time::timeout(app.limits.body_time, received).await.map_err(|_| {
         let seconds = app.limits.body_time.as_secs();
-        Refusal::of(StatusCode::REQUEST_TIMEOUT, format!("the body did not come within {seconds} s"))
+        Refusal::of(StatusCode::REQUEST_TIMEOUT, format!("the body did not arrive within {seconds} s"))
     })?
 }
 
@@ -43,7 +43,7 @@ async fn collect(body: Body, mut share: Share, most: usize) -> Result<Received, 
     let mut parts = body.into_data_stream();
     while let Some(part) = parts.next().await {
         let part = part.map_err(|error| {
-            Refusal::of(StatusCode::BAD_REQUEST, format!("the body ended early or is broken: {error}"))
+            Refusal::of(StatusCode::BAD_REQUEST, format!("the body ended early or is malformed: {error}"))
         })?;
         if bytes.len() + part.len() > most {
             return Err(too_large(bytes.len() + part.len(), most));
@@ -60,7 +60,7 @@ async fn collect(body: Body, mut share: Share, most: usize) -> Result<Received, 
 }
 
 fn no_room() -> Refusal {
-    let fault = Fault::request("the server receives as many large bodies as it has room for");
+    let fault = Fault::request("the server is already receiving as many large bodies as it has room for");
     Refusal::busy(StatusCode::SERVICE_UNAVAILABLE, fault)
 }
 

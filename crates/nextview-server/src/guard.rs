@@ -34,7 +34,7 @@ fn check(app: &App, request: &Request) -> Result<(), Refusal> {
     let stated = request.uri().authority().map(|authority| authority.as_str());
     if let Some(other) = [Some(host), stated].into_iter().flatten().find(|host| !app.access.hosts.has(host)) {
         let fault = Fault::of_value("host", other, app.access.hosts.expected());
-        let fault = fault.with_remedy("a server behind another name is started with that name as `host`");
+        let fault = fault.with_remedy("to use another name, start the server with that name as `host`");
         return Err(Refusal::new(StatusCode::FORBIDDEN, fault));
     }
     check_origin(headers, host)?;
@@ -62,7 +62,7 @@ fn check_origin(headers: &HeaderMap, host: &str) -> Result<(), Refusal> {
         return Ok(());
     }
     let fault = Fault::of_value("origin", origin, format!("http://{host}"));
-    Err(Refusal::new(StatusCode::FORBIDDEN, fault.with_remedy("ask from the page of this server")))
+    Err(Refusal::new(StatusCode::FORBIDDEN, fault.with_remedy("send requests from the page of this server")))
 }
 
 /// Whether a page may be behind a request, even as an image it shows: even a query may decide the next view.
@@ -91,7 +91,7 @@ fn is_static(path: &str) -> bool {
 
 fn unknown(message: &str) -> Refusal {
     let remedy = "send the header `Authorization: Bearer TOKEN`; the server prints the page's token when it starts, \
-                  all other clients have that of its token file";
+                  all other clients use the one in its token file";
     Refusal::new(StatusCode::UNAUTHORIZED, Fault::request(message).with_remedy(remedy))
 }
 
@@ -103,7 +103,7 @@ fn text(headers: &HeaderMap, name: HeaderName) -> Result<Option<&str>, Refusal> 
         (Ok(value), None) => Ok(value),
         _ => Err(Refusal::of(
             StatusCode::BAD_REQUEST,
-            format!("the header `{name}` must come once, as visible ASCII"),
+            format!("the header `{name}` must occur once, as visible ASCII"),
         )),
     }
 }

@@ -6,15 +6,15 @@ use serde_json::{Map, Value, json};
 
 /// Statuses of refusals with their meaning.
 const REFUSALS: [(&str, &str); 10] = [
-    ("400", "the request is broken"),
+    ("400", "the request is malformed"),
     ("401", "a token is missing or wrong"),
     ("403", "the request is for another host, or from a page of another one"),
     ("404", "there is no such scan, file or step"),
     ("409", "the state of the scan does not allow it"),
     ("413", "the body is too large"),
     ("415", "the content type is not supported"),
-    ("422", "a value cannot be"),
-    ("429", "too many requests to this scan wait already"),
+    ("422", "a value is invalid"),
+    ("429", "too many requests to this scan are already waiting"),
     ("503", "a limit of the server is reached"),
 ];
 

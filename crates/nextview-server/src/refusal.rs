@@ -50,7 +50,7 @@ impl Refusal {
 
     /// Refuses because the server is busy.
     pub fn busy(status: StatusCode, fault: Fault) -> Self {
-        Self { retry_after_s: Some(1), ..Self::new(status, fault.with_remedy("ask again in a second")) }
+        Self { retry_after_s: Some(1), ..Self::new(status, fault.with_remedy("try again in a second")) }
     }
 
     /// Whether a computation was cancelled.

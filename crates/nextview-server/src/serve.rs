@@ -82,7 +82,7 @@ pub fn serve(config: ServerConfig, on_started: impl FnOnce(&Started)) -> Result<
     // Both before touching the folder: it may belong to another server.
     let listener = std::net::TcpListener::bind(listen).map_err(|error| {
         Fault::data(format!("cannot listen on {listen}: {error}"))
-            .with_remedy("`listen` names another address")
+            .with_remedy("set `listen` to another address")
     })?;
     listener.set_nonblocking(true)?;
     let folder = ScansFolder::take(&dir)?;

@@ -30,7 +30,7 @@ pub fn unmarked(bytes: &[u8]) -> Result<&[u8], Error> {
     }
     // In those encodings, every ASCII character comes with a zero byte.
     if bytes.iter().take(4).any(|&byte| byte == 0) {
-        return Err(refused("UTF-16 or UTF-32 without its mark, or no text at all"));
+        return Err(refused("UTF-16 or UTF-32 without a byte order mark, or not text at all"));
     }
     Ok(bytes.strip_prefix(MARK).unwrap_or(bytes))
 }
@@ -59,8 +59,8 @@ pub fn plain(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Error> {
     };
     match text.split(|&byte| byte == b'\n').position(|line| line.starts_with(MARK)) {
         Some(i) => {
-            let problem = "begins with a byte order mark, expected one at the start of a file at most; files that have \
-                           one cannot be joined as they are"
+            let problem = "begins with a byte order mark, expected one only at the start of a file; remove \
+                           the marks before joining files"
                 .to_owned();
             Err(Error::Format { place: format!("line {}", i + 1), problem })
         }
@@ -80,7 +80,7 @@ pub fn utf8(bytes: Vec<u8>) -> Result<String, Error> {
         let line = 1 + error.as_bytes()[..offset].iter().filter(|&&byte| byte == b'\n').count();
         Error::Format {
             place: format!("byte {offset} in line {line}"),
-            problem: "is no text (UTF-8)".to_owned(),
+            problem: "is not UTF-8 text".to_owned(),
         }
     })
 }
@@ -114,11 +114,11 @@ mod tests {
         assert!(error(b"\xFE\xFF\0v").contains("UTF-16,"));
         assert!(error(b"\xFF\xFE\0\0v\0\0\0").contains("UTF-32,"));
         assert!(error(b"\0\0\xFE\xFF\0\0\0v").contains("UTF-32,"));
-        assert!(error(b"v\0 \0").contains("UTF-16 or UTF-32 without its mark"));
-        assert!(error(b"\0v\0 ").contains("UTF-16 or UTF-32 without its mark"));
+        assert!(error(b"v\0 \0").contains("UTF-16 or UTF-32 without a byte order mark"));
+        assert!(error(b"\0v\0 ").contains("UTF-16 or UTF-32 without a byte order mark"));
         assert!(error(b"v 1\r\xEF\xBB\xBFv 2\n").starts_with("line 2: begins with a byte order mark"));
         let latin = utf8(b"\xEF\xBB\xBFa\rb\xE4".to_vec()).unwrap_err().to_string();
-        assert_eq!(latin, "byte 3 in line 2: is no text (UTF-8)");
+        assert_eq!(latin, "byte 3 in line 2: is not UTF-8 text");
     }
 
     proptest! {

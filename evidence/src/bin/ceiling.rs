@@ -105,7 +105,7 @@ impl Object {
             Kind::Truth { rays_across } => Box::new(WithTruth { object: self.clone(), rays_across }),
             Kind::Rendered { width } => Box::new(Rendered::new(self, width)?),
         };
-        Ok(self.known.skill(planner, first_view)?.ok_or("random views are the best there are")?)
+        Ok(self.known.skill(planner, first_view)?.ok_or("random views are the best")?)
     }
 }
 

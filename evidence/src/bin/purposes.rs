@@ -151,7 +151,7 @@ fn print_means(found: &[Vec<[f64; 8]>]) {
 
 fn print_differences(found: &[Vec<[f64; 8]>]) {
     println!(
-        "\n| purpose | needs | most-surface | random | its own way | beside most-surface | beside random |"
+        "\n| purpose | needs | most-surface | random | its own way | own way - most-surface | own way - random |"
     );
     println!("|---|---|---:|---:|---|---:|---:|");
     for (purpose, own, needs) in PURPOSES {

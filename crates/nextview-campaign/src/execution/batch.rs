@@ -65,7 +65,7 @@ impl Batch {
         if build != this {
             let host = Host::this(1).name;
             let message = format!(
-                "the campaign is one of the build {build}, the worker on {host} has the build {this}"
+                "the campaign was started by build {build}, but the worker on {host} has build {this}"
             );
             return Err(Fault::data(message).with_remedy("install the same build everywhere"));
         }
@@ -166,7 +166,7 @@ mod tests {
         let other = text.replacen(&this.source, "feedfacebeef", 1).replacen("\"runs\":[", "\"runs\":[7,", 1);
         let message = Batch::from_json(&other).unwrap_err().message;
         assert!(message.contains(&format!("build {} (feedfacebeef)", this.version)), "{message}");
-        assert!(message.contains(&format!(" has the build {this}")), "{message}");
+        assert!(message.contains(&format!(" has build {this}")), "{message}");
         let unreadable = Batch::from_json("{}").unwrap_err().message;
         assert!(unreadable.starts_with("a batch of runs cannot be read: missing field"), "{unreadable}");
     }

@@ -89,7 +89,7 @@ impl Dispatch {
             let more = if missing.len() > MAX_NAMED { "\n  ..." } else { "" };
             let n_runs: usize = self.store.share().iter().map(Vec::len).sum();
             let message = format!("{} of {n_runs} runs have no record:{named}{more}", missing.len());
-            let remedy = "resume the campaign to do them (`resume`)";
+            let remedy = "resume the campaign to run them (`resume`)";
             return Err(Fault::data(message).in_file(self.store.dir()).with_remedy(remedy).into());
         }
         tables::write(self.store.dir(), &self.store.finished())?;

@@ -26,7 +26,7 @@ pub fn execute<W: WorkSource + ?Sized>(
             std::thread::Builder::new().spawn_scoped(scope, job).map_err(|error| {
                 queue.stop();
                 Fault::data(format!("a thread cannot be started: {error}"))
-                    .with_remedy("take fewer jobs (`jobs`)")
+                    .with_remedy("use fewer jobs (`jobs`)")
             })
         };
         let jobs: Vec<_> = (0..n_jobs).map(spawn).collect();

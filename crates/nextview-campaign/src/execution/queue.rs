@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn a_source_that_fails_fails_whoever_asks() {
+    fn a_source_that_fails_fails_every_worker() {
         let take = || Err(Fault::data("the lease ended"));
         let queue: Queue<'_, usize, ()> = Queue::new(&take);
         assert!(queue.next().is_err_and(|fault| fault.message == "the lease ended"));

@@ -92,7 +92,7 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, Faults>) -> Result<T, String> {
         Err(panic) => {
             let text = panic.downcast_ref::<String>().map(String::as_str);
             let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
-            Err(format!("a fault in nextview: {text}"))
+            Err(format!("a bug in nextview: {text}"))
         }
     }
 }
@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn a_panic_is_a_failure() {
         let result: Result<(), String> = guarded(|| panic!("at {}", 3));
-        assert_eq!(result, Err("a fault in nextview: at 3".to_owned()));
+        assert_eq!(result, Err("a bug in nextview: at 3".to_owned()));
         let faults = Faults::of(vec![Fault::data("no"), Fault::data("never").with_remedy("ever")]).unwrap();
         assert_eq!(guarded(|| Err::<(), _>(faults)), Err("no; never (ever)".to_owned()));
     }

@@ -41,7 +41,7 @@ impl Tally {
 
     /// Returns the messages about the runs of this store before the first run.
     pub fn beginning(&self, store: &Store) -> Vec<CampaignEvent> {
-        let torn = "the last line of runs.jsonl is not whole; its run is done again";
+        let torn = "the last line of runs.jsonl is incomplete; its run is repeated";
         let note = store.was_torn().then(|| CampaignEvent::Note(torn.to_owned()));
         let n_runs = self.objects.values().map(|count| count.n_runs).sum();
         let (n_objects, n_finished) = (self.objects.len(), n_runs - self.n_left());

@@ -9,8 +9,8 @@ const SPECS: [(&str, &str, &str); 9] = [
     ),
     ("paper-3", "table III: planning from coarse voxels to fine ones", include_str!("specs/paper-3.toml")),
     ("paper-4", "table IV: gamma, with and without history", include_str!("specs/paper-4.toml")),
-    ("paper-5", "table V: q_thresh, when to go over to finer voxels", include_str!("specs/paper-5.toml")),
-    ("paper-6", "table VI: the compared planners alone", include_str!("specs/paper-6.toml")),
+    ("paper-5", "table V: q_thresh, the threshold for finer voxels", include_str!("specs/paper-5.toml")),
+    ("paper-6", "table VI: only the planners compared", include_str!("specs/paper-6.toml")),
     ("paper-7", "table VII: theta, the weight of movement", include_str!("specs/paper-7.toml")),
     (
         "objview",

@@ -75,9 +75,9 @@ impl Expansion<'_> {
     fn refuse_combinations(&mut self, most: usize) {
         let (n, factors) = (sweep::n_combinations(&self.sweeps), sweep::factors(&self.sweeps));
         let n = if n == usize::MAX { "more than can be counted".to_owned() } else { n.to_string() };
-        let message =
-            format!("sweep multiplies to {n} variants ({factors}), expected at most {most} more variants");
-        let fault = Fault::data(message).with_remedy("sweep fewer values, or make several campaigns");
+        let message = format!("sweep gives {n} variants ({factors}), expected at most {most} more variants");
+        let fault =
+            Fault::data(message).with_remedy("sweep fewer values, or split it into several campaigns");
         self.add("sweep", fault);
     }
 
@@ -182,7 +182,7 @@ impl Expansion<'_> {
 /// The configuration; by default, all its seeds share their candidates.
 fn load(mut table: Table) -> Result<ScanConfig, Faults> {
     let decided = DECIDED_ELSEWHERE.iter().filter(|(key, _)| table.contains_key(*key)).map(|(key, by)| {
-        let message = format!("`{key}` is not for [scan], `scan` or `sweep`: `{by}` decides it");
+        let message = format!("`{key}` cannot be set in [scan], `scan` or `sweep`: `{by}` sets it");
         Fault { key: Some((*key).to_owned()), ..Fault::data(message) }
     });
     let given = ["recording", "live"].into_iter().filter(|key| table.contains_key(*key));
@@ -220,7 +220,7 @@ fn check_first_views(config: &ScanConfig, first_views: &FirstViews) -> Result<()
         FirstViews::Count(_) if !has_rule => {
             let file = &config.view_space.0;
             let message =
-                format!("first_views is a number, but the candidates of {file} are not counted yet");
+                format!("first_views is a number, but the number of candidates in {file} is not known yet");
             Err(Fault::data(message).with_remedy("list the first views by their numbers"))
         }
         FirstViews::Count(count) if *count > n => {
@@ -238,12 +238,13 @@ fn check_view_seeds(
 ) -> Result<(), Fault> {
     let Some(view_seeds) = view_seeds else { return Ok(()) };
     if has_view_seed {
-        let fault = Fault::data("view_seeds stands beside a `view_seed` in [scan], `scan` or `sweep`");
-        return Err(fault.with_remedy("keep one of them"));
+        let fault = Fault::data("view_seeds conflicts with a `view_seed` in [scan], `scan` or `sweep`");
+        return Err(fault.with_remedy("remove one of them"));
     }
     if view_seeds.len() > 1 && config.view_space.rule() != Some(ViewRule::Shell) {
         let (n, space) = (view_seeds.len(), &config.view_space.0);
-        let message = format!("view_seeds has {n} sets, but the candidates of {space} depend on no seed");
+        let message =
+            format!("view_seeds has {n} sets, but the candidates of {space} do not depend on a seed");
         return Err(Fault::data(message));
     }
     Ok(())

@@ -66,7 +66,7 @@ impl<'de> Deserialize<'de> for FirstViews {
             Value::Array(views) => views.iter().map(number).collect::<Option<Vec<usize>>>().map(Self::List),
             value => number(value).map(Self::Count),
         };
-        let expected = "a list of numbers of views, or how many to draw";
+        let expected = "a list of view numbers, or the number of views to draw";
         views.ok_or_else(|| D::Error::invalid_value(Unexpected::Other(value.type_str()), &expected))
     }
 }

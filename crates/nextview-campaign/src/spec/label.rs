@@ -16,9 +16,9 @@ pub(super) fn filled(template: &str, config: &ScanConfig) -> Result<String, Faul
     while let Some((before, after)) = left.split_once('{') {
         let (key, rest) = after
             .split_once('}')
-            .ok_or_else(|| Fault::data(format!("label {template:?}: a '{{' without '}}'")))?;
+            .ok_or_else(|| Fault::data(format!("label {template:?} has a '{{' without a '}}'")))?;
         let value = at(&config, key)
-            .ok_or_else(|| Fault::data(format!("label {template:?}: {{{key}}} is no value that is set")))?;
+            .ok_or_else(|| Fault::data(format!("label {template:?}: {{{key}}} is not a key that is set")))?;
         label += before;
         label += &value;
         left = rest;

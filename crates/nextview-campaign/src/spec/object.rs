@@ -36,8 +36,7 @@ impl ObjectSpec {
             Value::Table(table) => table,
             value => {
                 let found = value.type_str();
-                let fault =
-                    Fault::data(format!("{name}: is of the type {found}, expected a file or a table"));
+                let fault = Fault::data(format!("{name} is of type {found}, expected a file or a table"));
                 faults.add(&format!("objects.{index}"), fault);
                 return None;
             }

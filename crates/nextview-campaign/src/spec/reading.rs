@@ -85,7 +85,7 @@ fn spec(table: Table, faults: &mut FaultList) -> Spec {
     // An existing but empty list does not mean the default objects.
     if objects.as_ref().is_some_and(Vec::is_empty) {
         let fault = Fault::data("objects is empty, expected at least one mesh file or `builtin:NAME`");
-        let remedy = "without `objects`, they are the built-in ones";
+        let remedy = "leave out `objects` to use the built-in ones";
         faults.check("objects", Err(fault.with_remedy(remedy)));
     }
     let objects = objects

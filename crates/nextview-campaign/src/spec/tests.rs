@@ -62,12 +62,12 @@ sweep."max_flow.theta" = [0, -2]
             "line 3, column 1: seeds has 1 twice",
             "line 4, column 1: first_views is empty",
             "line 5, column 1: `sedes` is not a key",
-            "line 6, column 1: object 2: is of the type integer, expected a file or a table",
+            "line 6, column 1: object 2 is of type integer, expected a file or a table",
             "line 6, column 1: none/*.ply: matches no file",
             "line 6, column 48: object 3: `objects.2.size_m`: is 0, expected a positive number of metres",
             "line 6, column 60: object 3: `objects.2.init` is not a key",
             "line 11, column 10: `max_flow.gamma` is -1",
-            "line 16, column 6: variant 1 (\"{planer}\"): `seed` is not for [scan], `scan` or `sweep`",
+            "line 16, column 6: variant 1 (\"{planer}\"): `seed` cannot be set in [scan], `scan` or `sweep`",
             "line 17, column 1: variant 1 (\"{planer}\"): seeds has 3 twice",
             "line 21, column 1: variant 2: `variant.1.lable` is not a key",
             "line 22, column 6: variant 2 (\"x\"): `planner`",
@@ -103,7 +103,7 @@ fn what_only_the_whole_shows_is_found_too() {
     check(twice, &["line 2, column 1: two objects are named \"a\": "]);
     check(
         "name = \"x\"\nvariant = [3]",
-        &["line 2, column 1: variant 1: is of the type integer, expected a table"],
+        &["line 2, column 1: variant 1 is of type integer, expected a table"],
     );
     check("seeds = \"x\"", &["`name`: is missing", "line 1, column 1: `seeds` is \"x\", expected a list"]);
     check("name = \"x", &["line 1, column "]);
@@ -131,7 +131,7 @@ fn what_multiplies_to_too_many_runs_is_refused_before_any_is_made() {
     check(
         &swept,
         &[
-            "line 3, column 10: variant 1: sweep multiplies to 1000000000 variants (candidates 1000 x map.rays 1000 x seed \
+            "line 3, column 10: variant 1: sweep gives 1000000000 variants (candidates 1000 x map.rays 1000 x seed \
            1000), expected at most 10000 more variants; sweep fewer values",
         ],
     );
@@ -158,26 +158,24 @@ fn first_views_and_sets_of_candidates_are_checked() {
     check(&of("first_views = 0"), &["line 2, column 1: first_views is 0, expected at least 1"]);
     check(
         &of("first_views = \"all\""),
-        &[
-            "line 2, column 1: `first_views` is \"all\", expected a list of numbers of views, or how many to draw",
-        ],
+        &["line 2, column 1: `first_views` is \"all\", expected a list of view numbers, or the number of \
+             views to draw"],
     );
     check(&of("first_views = [1, -1]"), &["line 2, column 1: `first_views` is [1, -1], expected a list"]);
     check(
         &of("first_views = 2\nscan.view_space = \"mine.csv\""),
-        &["line 2, column 1: first_views is a number, but the candidates of"],
+        &["line 2, column 1: first_views is a number, but the number of candidates in"],
     );
     check(&of("view_seeds = []"), &["line 2, column 1: view_seeds is empty"]);
     check(&of("[[variant]]\nview_seeds = [1, 1]"), &["line 3, column 1: variant 1: view_seeds has 1 twice"]);
     check(
         &of("view_seeds = [1]\nscan.view_seed = 2"),
-        &["line 2, column 1: view_seeds stands beside a `view_seed`"],
+        &["line 2, column 1: view_seeds conflicts with a `view_seed`"],
     );
     check(
         &of("[[variant]]\nview_seeds = [1, 2]\nscan.view_space = \"hemisphere\""),
-        &[
-            "line 3, column 1: variant 1: view_seeds has 2 sets, but the candidates of hemisphere depend on no seed",
-        ],
+        &["line 3, column 1: variant 1: view_seeds has 2 sets, but the candidates of hemisphere do not \
+             depend on a seed"],
     );
 }
 

@@ -33,7 +33,7 @@ impl VariantSpec {
     pub(super) fn read(entry: Value, index: usize, faults: &mut FaultList) -> Option<Self> {
         let name = format!("variant {}", index + 1);
         let Value::Table(table) = entry else {
-            let fault = Fault::data(format!("{name}: is of the type {}, expected a table", entry.type_str()));
+            let fault = Fault::data(format!("{name} is of type {}, expected a table", entry.type_str()));
             faults.add(&format!("variant.{index}"), fault);
             return None;
         };

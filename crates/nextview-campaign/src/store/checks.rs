@@ -9,8 +9,8 @@ pub(super) fn check_build(record: &RunRecord) -> Result<(), Fault> {
     if *build == this {
         return Ok(());
     }
-    let message = format!("{} was computed by the build {build}, this is the build {this}", record.id());
-    Err(Fault::data(message).with_remedy("resume with that build, or begin anew in another folder"))
+    let message = format!("{} was computed by build {build}, but this is build {this}", record.id());
+    Err(Fault::data(message).with_remedy("resume with that build, or start again in another folder"))
 }
 
 /// Fails unless the record has the configuration of its run.
@@ -26,16 +26,17 @@ pub(super) fn check_config(run: &Run, record: &RunRecord) -> Result<(), Fault> {
         return Ok(());
     }
     let [there, here] = [&record.config, &expected].map(Table::try_from);
-    let problem = format!("{}: its configuration is not that of this program", run.id);
+    let problem = format!("{} has a different configuration in the folder", run.id);
     check_equal(&problem, &there.map_err(Fault::data)?, &here.map_err(Fault::data)?)
-        .map_err(|fault| fault.with_remedy("begin anew in another folder"))
+        .map_err(|fault| fault.with_remedy("start again in another folder"))
 }
 
 /// Fails unless the specification in a folder equals the given one.
 pub(super) fn check_same(saved: &Spec, given: &Spec) -> Result<(), Fault> {
     let [there, here] = [saved, given].map(Table::try_from);
-    let problem = "the folder is that of another specification";
-    let remedy = "choose another folder (`out`), or resume the campaign in this one by its own specification";
+    let problem = "the folder belongs to another specification";
+    let remedy =
+        "choose another folder (`out`), or resume the campaign in this one with its own specification";
     check_equal(problem, &there.map_err(Fault::data)?, &here.map_err(Fault::data)?)
         .map_err(|fault| fault.with_remedy(remedy))
 }

@@ -18,16 +18,16 @@ pub(super) fn check_repeated(
         false => format!("line {first} of {} and line {second}", files[known.file as usize].display()),
     };
     let id = repeated.record.id();
-    Err(Fault::data(format!("{lines} have unequal records of one run, {id}: {difference}")))
+    Err(Fault::data(format!("{lines} have different records of the same run, {id}: {difference}")))
 }
 
 /// The difference between two records of a run, ignoring times, memory and host.
 pub(super) fn conflict(first: &RunRecord, second: &RunRecord) -> Option<String> {
     if first.build != second.build {
-        return Some(format!("by the builds {} and {}", first.build, second.build));
+        return Some(format!("they are from the builds {} and {}", first.build, second.build));
     }
     if first.data_set != second.data_set {
-        return Some(format!("of the data sets {} and {}", first.data_set, second.data_set));
+        return Some(format!("they are from the data sets {} and {}", first.data_set, second.data_set));
     }
     let [a, b] = [first, second].map(|record| toml::Table::try_from(&record.config).unwrap_or_default());
     if let Some(difference) = difference(&a, &b) {

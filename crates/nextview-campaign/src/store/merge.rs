@@ -35,7 +35,7 @@ pub struct Merged {
 /// at all, and replaces nothing; the folders stay unchanged.
 pub fn merge(dirs: &[PathBuf], out: &Path) -> Result<Merged, Faults> {
     let inside = dirs.iter().filter(|dir| files::is_within(out, dir)).map(|dir| {
-        let fault = Fault::data(format!("is within {}, which is read", dir.display())).in_file(out);
+        let fault = Fault::data(format!("is inside {}, which is an input", dir.display())).in_file(out);
         fault.with_remedy("choose another folder (`out`)")
     });
     Faults::of(inside.collect()).map_or(Ok(()), Err)?;
@@ -99,7 +99,7 @@ impl Merging {
             Ok(spec) => {
                 if let Err(fault) = check_same(&self.spec, &spec) {
                     self.faults.push(fault.in_file(&dir.join(Spec::FILE)).with_remedy(
-                        "merge the shards of one specification, whose files have the same paths everywhere",
+                        "merge the shards of one specification, with the same file paths on all machines",
                     ));
                     return;
                 }
@@ -128,7 +128,7 @@ impl Merging {
         let n_more = faults.len().saturating_sub(MAX_NAMED);
         self.faults.extend(faults.into_iter().take(MAX_NAMED));
         if n_more > 0 {
-            self.faults.push(Fault::data(format!("{n_more} more lines are wrong")).in_file(&path));
+            self.faults.push(Fault::data(format!("{n_more} more lines are invalid")).in_file(&path));
         }
         if records.is_torn() {
             self.torn.push(dir.to_owned());
@@ -159,7 +159,7 @@ impl Merging {
             let named: String = named.map(|id| format!("\n  {id}")).collect();
             let more = if n_missing > MAX_NAMED { "\n  ..." } else { "" };
             let message = format!("{n_missing} of {n_runs} runs are missing:{named}{more}");
-            let remedy = "merge the folders of all shards, and resume those that have not ended (`resume`)";
+            let remedy = "merge the folders of all shards, and resume the unfinished ones (`resume`)";
             self.faults.push(Fault::data(message).with_remedy(remedy));
         }
         if let Some(faults) = Faults::of(self.faults) {
@@ -178,8 +178,8 @@ impl Merging {
 
 fn of_other_build(build: &str, n_records: usize, path: &Path) -> Fault {
     let this = BuildIdentity::this();
-    let message = format!("{n_records} runs were computed by the build {build}, this is the build {this}");
-    let remedy = "merge with that build, or do the shard again with this one in another folder";
+    let message = format!("{n_records} runs were computed by build {build}, but this is build {this}");
+    let remedy = "merge with that build, or run the shard again with this one in another folder";
     Fault::data(message).in_file(path).with_remedy(remedy)
 }
 

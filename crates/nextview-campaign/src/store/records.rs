@@ -131,10 +131,9 @@ impl<R: BufRead> Records<R> {
         let n_bytes = read.map_err(|error| Fault::from(error).in_file(&self.path))? as u64;
         // A file that an editor saved in another form must not pass for one with a torn line, which is cut.
         if !is_as_written(&line) {
-            let fault = Fault::data(
-                "has a byte order mark or a carriage return, expected UTF-8 and line feeds alone",
-            );
-            let fault = fault.with_remedy("save the file as it was written");
+            let fault =
+                Fault::data("has a byte order mark or a carriage return, expected UTF-8 and only line feeds");
+            let fault = fault.with_remedy("restore the original file");
             return Err(in_line(fault, self.n_lines + 1, &self.path));
         }
         if line.pop_if(|last| *last == b'\n').is_none() {

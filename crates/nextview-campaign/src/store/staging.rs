@@ -19,7 +19,7 @@ impl Staging {
             Err(_) => !target.exists(),
         };
         if !is_free {
-            let fault = Fault::data("is not empty, and nothing is replaced").in_file(target);
+            let fault = Fault::data("is not empty, and existing files are not replaced").in_file(target);
             return Err(fault.with_remedy("choose another folder (`out`)"));
         }
         let path = target.with_file_name(files::unfinished(target));

@@ -58,11 +58,12 @@ impl Store {
         files::remove_unfinished(dir, &[tables::FILES, &[Spec::FILE]].concat()).map_err(writing)?;
         let has_runs = file.metadata().map_err(writing)?.len() > 0;
         if has_runs && !resume {
-            let fault = Fault::data("has the results of a campaign already").in_file(dir);
+            let fault = Fault::data("already has the results of a campaign").in_file(dir);
             return Err(fault.with_remedy("resume it (`resume`), or choose another folder (`out`)").into());
         }
         if !saved.exists() {
-            let missing = || Fault::data("is missing, expected that of runs.jsonl").in_file(&saved);
+            let missing =
+                || Fault::data("is missing, expected the specification of runs.jsonl").in_file(&saved);
             let text = if has_runs { Err(missing()) } else { spec.to_toml() }?;
             files::write(&saved, &Overwrite::nothing(), |w| Ok(w.write_all(text.as_bytes())?))?;
         }
@@ -135,7 +136,7 @@ impl Store {
         if let Some(known) = self.positions[number] {
             let known = read_at(slice::from_ref(&self.path), known)?;
             return conflict(&known, record).map_or(Ok(()), |difference| {
-                let message = format!("another record of {} is there: {difference}", record.id());
+                let message = format!("there is already a different record of {}: {difference}", record.id());
                 Err(Fault::data(message).in_file(&self.path))
             });
         }

@@ -173,7 +173,7 @@ fn unequal_repeated_records_name_both_lines() {
     };
     let (fault, again, folder) = unequal(|run| made_up::steps_mut(run)[2].entropy_nats += 1.0);
     for fault in [fault, folder.resume().unwrap_err().to_string()] {
-        assert!(fault.contains("runs.jsonl, line 3, column 1: lines 1 and 3 have unequal"), "{fault}");
+        assert!(fault.contains("runs.jsonl, line 3, column 1: lines 1 and 3 have different"), "{fault}");
         assert!(
             fault.contains("object mug, variant most-surface, seed 1") && fault.contains("results differ"),
             "{fault}"
@@ -181,7 +181,10 @@ fn unequal_repeated_records_name_both_lines() {
     }
     let folder = folder.with(line(&records[1]));
     let fault = folder.resume().unwrap().append(&again).unwrap_err().to_string();
-    assert!(fault.contains("another record of object mug") && fault.contains("results differ"), "{fault}");
+    assert!(
+        fault.contains("already a different record of object mug") && fault.contains("results differ"),
+        "{fault}"
+    );
     assert_eq!(folder.text(), line(&records[1]));
 
     let (fault, ..) = unequal(|run| run.config.views = Some(3));
@@ -201,7 +204,7 @@ fn records_of_another_build_are_read_but_not_resumed() {
     let fault = folder.resume().unwrap_err().to_string();
     let [theirs, ours] = [&records[1], &records[0]].map(|record| record.build.to_string());
     assert!(fault.contains("runs.jsonl, line 2, column 1: object mug") && theirs != ours, "{fault}");
-    assert!(fault.contains(&format!("by the build {theirs}, this is the build {ours}")), "{fault}");
+    assert!(fault.contains(&format!("by build {theirs}, but this is build {ours}")), "{fault}");
     let folder = folder.with("");
     let fault = folder.resume().unwrap().append(&records[1]).unwrap_err().to_string();
     assert!(fault.contains(&theirs) && folder.text().is_empty(), "{fault}");
@@ -235,11 +238,11 @@ fn a_folder_is_that_of_one_campaign() {
     let records = records_of_spec();
     let folder = Folder::new("one").with(line(&records[0]));
     let faults = Store::open(&folder.0, &spec(), Shard::WHOLE, false).unwrap_err();
-    assert!(faults.to_string().contains("has the results of a campaign already"), "{faults}");
+    assert!(faults.to_string().contains("already has the results of a campaign"), "{faults}");
     let mut other = spec();
     other.seeds.push(2);
     let faults = Store::open(&folder.0, &other, Shard::WHOLE, true).unwrap_err();
-    assert!(faults.to_string().contains("spec.toml: the folder is that of another"), "{faults}");
+    assert!(faults.to_string().contains("spec.toml: the folder belongs to another"), "{faults}");
     assert!(faults.to_string().contains("seeds is [0, 1] there, [0, 1, 2] here"), "{faults}");
 
     let refused = |record: &RunRecord, part: &str| {
@@ -251,7 +254,7 @@ fn a_folder_is_that_of_one_campaign() {
     refused(&RunRecord { seed: 9, ..records[1].clone() }, "no run of this campaign: object mug");
     let mut other = records[1].clone();
     other.config.views = Some(4);
-    refused(&other, "its configuration is not that of this program: views is 4 there, 10 here");
+    refused(&other, "has a different configuration in the folder: views is 4 there, 10 here");
     let mut chosen = records[1].clone();
     chosen.config.voxel_size_m = Some(0.003);
     let folder = folder.with(line(&chosen));

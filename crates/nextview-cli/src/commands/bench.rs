@@ -23,10 +23,10 @@ pub(super) struct BenchArgs {
     /// A TOML file or a built-in specification (see --list)
     #[arg(value_parser = values::file_name())]
     spec: Option<String>,
-    /// Mesh files or builtin:NAME (see scan), in place of the objects of the specification
+    /// Mesh files or builtin:NAME (see scan), instead of the objects of the specification
     #[arg(value_parser = values::file_name())]
     mesh: Vec<String>,
-    /// Folder for the results [default: bench-NAME, followed by -2, -3, ... where that holds a finished
+    /// Folder for the results [default: bench-NAME, followed by -2, -3, ... if that holds a finished
     /// campaign]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -34,18 +34,18 @@ pub(super) struct BenchArgs {
     /// run
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Do one share of the runs, the Kth of N, counted from 1; `nextview merge` makes one campaign of all
-    /// [default folder: bench-NAME-K-of-N]
+    /// Run only shard K of N, counted from 1; `nextview merge` combines all shards [default folder:
+    /// bench-NAME-K-of-N]
     #[arg(long, value_name = "K/N", value_parser = values::shard)]
     shard: Option<Shard>,
     /// Cache the true visibility of every object from all candidates in this folder, so that it is computed
     /// once for all campaigns and shards; the results are the same
     #[arg(long, value_name = "DIR")]
     truth_cache: Option<PathBuf>,
-    /// Largest size of that folder; what was not used for the longest time is removed
+    /// Maximum size of that folder; the least recently used entries are removed
     #[arg(long, value_name = "MB", default_value_t = TruthCache::DEFAULT_MB, requires = "truth_cache")]
     truth_cache_mb: u64,
-    /// Resume the campaign in the folder; SPEC may be left out then
+    /// Resume the campaign in the folder; SPEC can then be omitted
     #[arg(long)]
     resume: bool,
     /// Print the configuration of the run in this row of runs.csv, from 1, for scan --config
@@ -62,7 +62,7 @@ Examples:
   nextview bench paper-1 meshes/*.ply --out mine    on your own
   nextview bench mine.toml --jobs 4                 your own specification
   nextview bench --resume --out mine                resume after an interruption
-  nextview bench mine.toml --shard 3/64 --out 3     a share of the runs; then: nextview merge 1 2 3 ...
+  nextview bench mine.toml --shard 3/64 --out 3     one shard of the runs; then: nextview merge 1 2 3 ...
   nextview bench --out mine --config-of 3           the configuration of the run in row 3 of runs.csv
 
 A specification (keys of `scan` as in config.toml; see docs/bench.md):
@@ -113,7 +113,7 @@ impl BenchArgs {
             tables::write(&dir, &store.finished())?;
             stdout::print(format!(
                 "\n{done}, {time}; results in {shown} (runs, steps and times, as .csv and .parquet)\n\
-                 a run again: nextview bench --out {shown} --config-of ROW > run.toml; nextview scan --config run.toml\n"
+                 to repeat a run: nextview bench --out {shown} --config-of ROW > run.toml; nextview scan --config run.toml\n"
             ))?;
         }
         check(&store.failed(), n_runs)
@@ -123,7 +123,7 @@ impl BenchArgs {
         match (&self.spec, &self.out) {
             (Some(spec), _) => Ok(Spec::load(spec, &self.mesh)?),
             (None, Some(dir)) if self.resume || self.config_of.is_some() => Ok(Spec::of_folder(dir)?),
-            (None, _) => Err(Failure::usage("there is no specification").with_hint(
+            (None, _) => Err(Failure::usage("no specification is given").with_hint(
                 "pass a TOML file or the name of a built-in one (--list shows them), or --resume and --out",
             )),
         }
@@ -135,7 +135,7 @@ fn on_event(event: CampaignEvent, progress: &CampaignProgress, name: &str, dir: 
     let text = match event {
         CampaignEvent::Began { n_objects, n_runs, n_finished } => {
             progress.begin(n_finished);
-            let before = if n_finished > 0 { format!(", {n_finished} done before") } else { String::new() };
+            let before = if n_finished > 0 { format!(", {n_finished} already done") } else { String::new() };
             let (objects, runs) = (counted(n_objects, "object"), counted(n_runs, "run"));
             format!("{name}: {objects}, {runs}{before}, in {}\n", dir.display())
         }

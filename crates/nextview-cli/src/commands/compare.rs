@@ -7,8 +7,8 @@ use std::path::PathBuf;
 /// Compare two campaigns run by run: is B better than A, and is that more than noise?
 ///
 /// Runs of the same object, variant, seed, view seed and first view are paired. Differences are B - A, mean
-/// and median over objects; their 95 % intervals are by a bootstrap over objects and their runs, p is that of
-/// Wilcoxon's signed-rank test over objects. If A and B have one variant each, these two are compared
+/// and median over objects, with 95 % intervals from a bootstrap over objects and their runs, and p from
+/// Wilcoxon's signed-rank test over objects. If A and B have one variant each, these two are compared,
 /// whatever their names.
 #[derive(Debug, Args)]
 #[command(

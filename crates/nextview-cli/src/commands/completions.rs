@@ -2,7 +2,7 @@ use crate::{Failure, stdout};
 use clap::{Args, Command};
 use clap_complete::Shell;
 
-/// Print the script that completes commands and options in a shell.
+/// Print a shell completion script.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct CompletionsArgs {

@@ -7,14 +7,14 @@ use std::path::PathBuf;
 
 /// Make training data for learned planners.
 ///
-/// The simulated camera looks at random objects, which no benchmark has, up to eight times each: from
-/// anywhere, from one of the network's views, or from the best of them. Each view gives a sample: the state
-/// known then, and what each of the network's views would truly show. The same objects and seed give the same
-/// bytes, for any number of threads and interruptions.
+/// The simulated camera looks at random objects, none of which is in a benchmark, up to eight times each:
+/// from anywhere, from one of the network's views, or from the best of them. Each view gives a sample: what
+/// is known at that point, and what each of the network's views would actually show. The same objects and
+/// seed give the same bytes, for any number of threads and interruptions.
 ///
 /// The folder holds dataset.toml and files of 64 objects, each a NumPy array of records: object (its number),
-/// n_views (taken so far), label (the best view), seen and gains (surface voxels that each view sees, and
-/// those of them that are new) and the network's input.
+/// n_views (taken so far), label (the best view), seen and gains (surface voxels that each view sees, and the
+/// new ones among them) and the network's input.
 #[derive(Debug, Subcommand)]
 #[command(after_help = "Example:\n  nextview dataset nbv-net --out nbv-data")]
 pub(super) enum DatasetCommand {

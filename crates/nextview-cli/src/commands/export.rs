@@ -5,10 +5,10 @@ use nextview_export::Format;
 use nextview_scan::files::Overwrite;
 use std::path::PathBuf;
 
-/// Write the results of a scan in the format that another tool opens.
+/// Export the results of a scan in the format of another tool.
 ///
-/// Reads the folder of a scan: frames in the poses in which they were mapped, cloud, mesh and record. All
-/// formats hold the same pictures, without lens distortion; masks come from the final mesh. colmap,
+/// Reads the folder of a scan: frames with the poses at which they were mapped, cloud, mesh and record. All
+/// formats contain the same images, without lens distortion; masks come from the final mesh. colmap,
 /// foundationpose, nerfstudio and obj need frames with colour.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -18,10 +18,10 @@ pub(super) struct ExportArgs {
     /// The format
     #[arg(long, value_name = "FORMAT", value_parser = values::named::<Format>())]
     to: Format,
-    /// The folder for it
+    /// The output folder
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Replace files that are in it
+    /// Replace existing files
     #[arg(long)]
     force: bool,
 }

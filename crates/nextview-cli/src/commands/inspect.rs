@@ -9,9 +9,9 @@ use std::path::PathBuf;
 
 /// Compare a scanned part with its CAD model.
 ///
-/// Reads the cloud of a scan, finds where the part stood, and writes how far every point is from the model,
-/// how certain that is, and where the part deviates. Triangles of the model run counter-clockwise seen from
-/// outside.
+/// Reads the cloud of a scan, locates the part in it, and writes the distance of every point from the model,
+/// its uncertainty, and the places where the part deviates. Triangles of the model must run counter-clockwise
+/// seen from outside.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct InspectArgs {
@@ -23,7 +23,7 @@ pub(super) struct InspectArgs {
     /// Unit of the CAD model's file [default: that of the scan, or auto]
     #[arg(long, value_parser = named::<UnitName>())]
     unit: Option<UnitName>,
-    /// Deviations up to this are none
+    /// Deviations up to this are accepted
     #[arg(long, value_name = "MM", value_parser = positive, default_value = "0.5", allow_negative_numbers = true)]
     tolerance_mm: f64,
     /// Radius of the patches over which deviations are averaged: smaller ones show smaller defects, larger
@@ -33,7 +33,7 @@ pub(super) struct InspectArgs {
     /// The folder for inspection.json and deviation.ply
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Replace files that are in it
+    /// Replace existing files
     #[arg(long)]
     force: bool,
     /// Print inspection.json

@@ -12,7 +12,7 @@ pub(super) struct ManArgs {
     /// Folder for the pages
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Replace pages that are in it
+    /// Replace existing pages
     #[arg(long)]
     force: bool,
 }

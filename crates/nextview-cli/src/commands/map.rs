@@ -6,7 +6,7 @@ use nextview_scan::files::Overwrite;
 use nextview_scan::{MapSummary, SavedMap, convert_map};
 use std::path::PathBuf;
 
-/// Look into OctoMap files (.ot, .bt) and convert them.
+/// Summarise and convert OctoMap files (.ot, .bt).
 #[derive(Debug, Subcommand)]
 #[command(after_help = "Examples:\n  nextview map info map.ot\n  nextview map convert map.ot occupied.ply")]
 pub(super) enum MapCommand {
@@ -27,8 +27,8 @@ impl MapCommand {
 ///
 /// A voxel counts as occupied if P > 0.65, as free if P < 0.45, and as unknown otherwise: never measured, or
 /// measured without a clear result, such as one hit and one miss. These are the bounds of the paper's
-/// authors; `measured_voxels` counts the voxels that the map has a value for. Entropy is in nats, and a voxel
-/// never measured has ln 2.
+/// authors; `measured_voxels` counts the voxels with a value in the map. Entropy is in nats; a voxel never
+/// measured has ln 2.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  nextview map info map.ot --box 0,0,0.05,0.1 --json")]
 pub(super) struct InfoArgs {
@@ -44,7 +44,7 @@ pub(super) struct InfoArgs {
 
 /// Convert a map between .ot and .bt, or write the centres of its occupied voxels as .ply.
 ///
-/// .ot to .ot and .bt to .bt keep every byte; .ot to .bt keeps occupied (P >= 0.5) and free only, as
+/// .ot to .ot and .bt to .bt keep every byte; .ot to .bt keeps only occupied (P >= 0.5) and free, as
 /// OctoMap's own tools do.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  nextview map convert map.ot occupied.ply")]

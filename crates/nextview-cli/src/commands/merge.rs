@@ -4,11 +4,11 @@ use clap::Args;
 use nextview_campaign::store;
 use std::path::PathBuf;
 
-/// Make one campaign of the folders of its shards.
+/// Merge the shards of a campaign.
 ///
-/// The tables are the same to the byte as those of a campaign that one process did, apart from times. Every
-/// run must be there, computed by this build of the program; equal repetitions count once. All that is wrong
-/// is reported at once, and nothing is written then. The shards stay as they are.
+/// Apart from times, the tables are the same to the byte as those of a campaign run by one process. Every run
+/// must be present and computed by this build of the program; identical duplicates count once. All faults are
+/// reported at once, and then nothing is written. The shards are not changed.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  nextview merge bench-mine-*-of-64 --out mine\n  nextview merge a b c --out whole"
@@ -27,14 +27,14 @@ impl MergeArgs {
         let merged = store::merge(&self.dirs, &self.out)?;
         for dir in &merged.torn {
             eprintln!(
-                "note: the last line of {} is not whole and was left out",
+                "note: the last line of {} is incomplete and was left out",
                 dir.join("runs.jsonl").display()
             );
         }
         let (runs, folders) = (counted(merged.n_runs, "run"), counted(self.dirs.len(), "folder"));
         let repeated = match merged.n_repeated {
             0 => String::new(),
-            n => format!(", {} repeated and equal", counted(n, "record")),
+            n => format!(", {}", counted(n, "identical duplicate")),
         };
         stdout::print(format!("{runs} of {folders}{repeated}; results in {}\n", self.out.display()))?;
         check(&merged.failed, merged.n_runs)

@@ -27,13 +27,14 @@ use nextview_scan::process;
 /// views as possible.
 ///
 /// `nextview scan` scans a simulated object from the first view to the last and writes the map, the cloud,
-/// the mesh and a report. `nextview bench` scans many objects with many planners, on one machine or as shards
-/// on many, which `nextview merge` makes one; `nextview report` and `nextview compare` make figures and
-/// tables of that. `nextview export` gives the results of a scan to other tools, `nextview inspect` compares
-/// them with a CAD model. `nextview serve` takes the frames of any camera over HTTP and answers with the next
-/// view. `nextview plan` gives the next view, or the next few, for a saved map, `nextview map` summarises and
-/// converts maps, `nextview views` makes view candidates, `nextview dataset` training data for learned
-/// planners. `nextview completions` and `nextview man` write completions of shells and manual pages.
+/// the mesh and a report. `nextview bench` scans many objects with many planners, on one machine or in shards
+/// on several; `nextview merge` combines the shards. `nextview report` and `nextview compare` make figures
+/// and tables of the results. `nextview export` converts the results of a scan for other tools; `nextview
+/// inspect` compares them with a CAD model. `nextview serve` receives the frames of any camera over HTTP and
+/// returns the next view. `nextview plan` prints the next view, or the next few, for a saved map; `nextview
+/// map` summarises and converts maps. `nextview views` makes view candidates, `nextview dataset` training
+/// data for learned planners. `nextview completions` and `nextview man` write shell completions and manual
+/// pages.
 #[derive(Debug, Parser)]
 #[command(name = "nextview", version, long_version = version::long(), max_term_width = 100, after_help = EXAMPLES)]
 pub struct Cli {
@@ -50,20 +51,20 @@ Examples:
   nextview scan part.stl --unit mm           scan your own mesh
   nextview scan builtin:mug --planner local  another object, another planner
   nextview export scan-part --to bop --out part-bop
-                                             its results for another tool
+                                             export its results for another tool
   nextview bench paper-1 meshes/*.ply        every planner on your meshes
-  nextview report bench-paper-1              the figures and tables of that
+  nextview report bench-paper-1              its figures and tables
   nextview serve                             scan with any camera, over HTTP
   nextview map info map.ot                   summary of a map
   nextview views > views.csv                 poses to choose from
   nextview plan --map map.ot --views views.csv
   nextview dataset nbv-net --out nbv-data    training data for NBV-Net
-  nextview completions bash                  what completes commands and options in bash
-  nextview man --out man1                    these texts as manual pages
+  nextview completions bash                  shell completion for bash
+  nextview man --out man1                    this help as manual pages
 
 Conventions: metres, world frame right-handed with z up, camera frame x right, y down, z forward.
 Data goes to stdout, messages to stderr.
-Exit codes: 0 done, 1 bad data or a failing system, 2 bad usage, 130 interrupted.";
+Exit codes: 0 success, 1 bad data or a system failure, 2 bad usage, 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 enum Command {

@@ -9,10 +9,10 @@ use nextview_scan::{BatchRecord, PlannerConfigs, PlannerName, SavedMap};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Give the next best view for a saved map, or with --batch several.
+/// Print the next best view for a saved map, or several with --batch.
 ///
 /// The camera is the D435i of the paper. Planners that remember earlier decisions start without them: a map
-/// does not hold them.
+/// does not store them.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct PlanArgs {
@@ -32,8 +32,8 @@ pub(super) struct PlanArgs {
     /// Planner that chooses the view
     #[arg(long, value_parser = some_named(|planner: PlannerName| planner.properties().plans_from_map()), default_value = "most-surface")]
     planner: PlannerName,
-    /// Give up to N views that together show most, the shortest tour through them around the object's sphere,
-    /// and a guaranteed lower bound on their share of what the best N views would show
+    /// Print up to N views that together show the most, the shortest tour through them around the object's
+    /// sphere, and a guaranteed lower bound on their share of what the best N views would show
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["planner", "seed"])]
     batch: Option<u32>,
     /// Penalty on long moves, 0 to 1: the weight of the movement cost, the paper's theta, or of the length of

@@ -8,15 +8,15 @@ use std::path::PathBuf;
 
 /// Write the report of a campaign: figures and tables as HTML and as Markdown.
 ///
-/// Reads runs.jsonl in the campaign's folder, also while the campaign is running, and writes report.html and
-/// report.md beside it: what was run, coverage and entropy over the views, what each variant reached and
-/// cost, with intervals and paired differences, and the tables of the paper with its published numbers.
+/// Reads runs.jsonl in the campaign's folder, even while the campaign is running, and writes report.html and
+/// report.md next to it: the setup, coverage and entropy over the views, the results and costs of each
+/// variant with intervals and paired differences, and the tables of the paper with its published numbers.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  nextview report campaign")]
 pub(super) struct ReportArgs {
     /// The campaign's folder
     dir: PathBuf,
-    /// Replace report.html and report.md even if they are no reports of a campaign
+    /// Replace report.html and report.md even if they are not campaign reports
     #[arg(long)]
     force: bool,
 }
@@ -36,7 +36,7 @@ impl ReportArgs {
         folder.add("report.md", |w| Ok(w.write_all(markdown.as_bytes())?))?;
         folder.publish()?;
         if campaign.torn {
-            eprintln!("note: the last line of runs.jsonl is not whole yet and was left out");
+            eprintln!("note: the last line of runs.jsonl is incomplete and was left out");
         }
         let path = self.dir.join("report.html");
         stdout::print(format!("{} runs; open {}\n", campaign.runs.len(), path.display()))

@@ -10,15 +10,15 @@ const MAX_TOKEN: u64 = 4096;
 
 /// Serve scans over HTTP: post the frames of any camera, get the next view.
 ///
-/// Every frame is on the disk before it is acknowledged, and a server that was killed resumes all scans.
-/// docs/server.md describes the routes, /openapi.json too.
+/// Every frame is saved to disk before it is acknowledged, and a server that was killed resumes all scans.
+/// docs/server.md and /openapi.json describe the routes.
 ///
-/// All programs on this machine may send requests, except web pages: the server's own page needs the token
-/// that is printed. An address that others can reach needs a token from all clients.
+/// Any program on this machine may send requests, but web pages may not: the server's own page needs the
+/// token that is printed. If other machines can reach the address, all clients need a token.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct ServeArgs {
-    /// Address to listen on; port 0 takes any that is free
+    /// Address to listen on; port 0 picks a free port
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:7878")]
     listen: SocketAddr,
     /// Folder of all scans
@@ -28,10 +28,10 @@ pub(super) struct ServeArgs {
     /// NEXTVIEW_TOKEN]
     #[arg(long, value_name = "FILE")]
     token_file: Option<PathBuf>,
-    /// Another name under which clients reach the server, without port; may be given several times
+    /// Another host name under which clients reach the server, without port; can be given several times
     #[arg(long = "host", value_name = "NAME")]
     hosts: Vec<String>,
-    /// Largest body of a request
+    /// Maximum size of a request body
     #[arg(long, value_name = "MB", default_value = "64", value_parser = clap::value_parser!(u32).range(1..=1024))]
     max_body_mb: u32,
     /// Maximum number of pixels of an image
@@ -105,13 +105,13 @@ impl ServeArgs {
 
 fn tell(started: &Started) -> Result<(), Failure> {
     for fault in started.left_out.iter().flat_map(Faults::iter) {
-        eprintln!("warning: a scan is left out: {fault}");
+        eprintln!("warning: a scan is skipped: {fault}");
         fault.remedy.iter().for_each(|remedy| eprintln!("hint: {}", flags::word(remedy)));
     }
     let resumed = match started.n_resumed {
         0 => String::new(),
-        1 => "resumes 1 scan\n".to_owned(),
-        n => format!("resumes {n} scans\n"),
+        1 => "resuming 1 scan\n".to_owned(),
+        n => format!("resuming {n} scans\n"),
     };
-    stdout::print(format!("listens on http://{}\npage: {}\n{resumed}", started.address, started.page))
+    stdout::print(format!("listening on http://{}\npage: {}\n{resumed}", started.address, started.page))
 }

@@ -60,7 +60,7 @@ pub(super) fn not_negative(text: &str) -> Result<f64, String> {
 /// A number from 0 to 1.
 pub(super) fn share(text: &str) -> Result<f64, String> {
     let value = number(text)?;
-    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err(format!("{text} is not in 0 to 1")) }
+    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err(format!("{text} is not between 0 and 1")) }
 }
 
 /// A whole number, at least 0.

@@ -16,7 +16,7 @@ impl Progress {
     /// Shows the rendering of every view before a simulated scan, below a line that explains it.
     pub fn of_baselines(n_views: usize) -> Self {
         let reason = "Before the scan, to measure coverage and skill (see --baselines):";
-        Self::of_template(&format!("{reason}\n{BAR}"), "looking from every view", n_views)
+        Self::of_template(&format!("{reason}\n{BAR}"), "rendering every view", n_views)
     }
 
     fn of_template(template: &str, work: &'static str, n: usize) -> Self {

@@ -110,7 +110,11 @@ fn objects_of_the_wrong_size() {
     folder.refused(&["scan", "either.ply"], DATA, &["either.ply: ", "state the --unit as m or mm"]);
     folder.refused(&["scan", "--pose-error-mm", "2000"], USAGE, &["--pose-error-mm is 2000", "0 to 1000"]);
     folder.refused(&["scan", "--pose-error-deg", "-1"], USAGE, &["--pose-error-deg", "-1 is negative"]);
-    folder.refused(&["scan", "--min-overlap", "1.5"], USAGE, &["--min-overlap", "1.5 is not in 0 to 1"]);
+    folder.refused(
+        &["scan", "--min-overlap", "1.5"],
+        USAGE,
+        &["--min-overlap", "1.5 is not between 0 and 1"],
+    );
     folder.refused(&["scan", "--register", "maybe"], USAGE, &["--register", "maybe"]);
     folder.refused(&["scan", "--size-m", "100"], USAGE, &["100 m", "10 m"]);
     folder.refused(&["scan", "--size-m", "6.434000015258789"], USAGE, &["side is 6.434 m,"]);
@@ -233,7 +237,7 @@ fn specifications_with_faults() {
         ("scan.candidates = 0", &["first view 0 is not among the 0"]),
         ("scan.voxels = 1", &["line 2, column 6", "`voxels`"]),
         ("scan.profile = \"thesis\"", &["`thesis`", "`paper` or `default`"]),
-        ("scan.seed = 1", &["`seed`", "`seeds` decides it"]),
+        ("scan.seed = 1", &["`seed`", "`seeds` sets it"]),
         ("[[variant]]\n[[variant]]\nscan.max_flow.gamma = 2", &["variant 2: max_flow.gamma is 2", "0..=1"]),
         ("[[variant]]\nlabel = \"a\"\nscan.planner = \"best\"", &["variant 1 (\"a\"): ", "`best`"]),
         (
@@ -289,7 +293,11 @@ fn recordings_with_faults() {
     };
     let image = |bits, byte| png(160, 120, bits, &vec![byte; 160 * 120 * bits as usize / 8]);
     with("rec/depth/001.png", image(BitDepth::Eight, 9), &["8 bits without colour", "16 bits"]);
-    with("rec/depth/001.png", folder.bytes("rec/depth/001.png")[..999].to_vec(), &["no whole PNG image"]);
+    with(
+        "rec/depth/001.png",
+        folder.bytes("rec/depth/001.png")[..999].to_vec(),
+        &["not a complete PNG image"],
+    );
     text("rec/intrinsics.txt", "cx 79.5", "cx 790", &["principal point", "790"]);
     text("rec/poses.csv", "\n1,", "\n0,", &["line 3: frame 0 is in line 2 already"]);
     let poses = folder.bytes("rec/poses.csv");
@@ -346,7 +354,7 @@ fn questions_that_recordings_cannot_answer() {
     );
     bad_data(&["--truth", "missing.obj"], &["missing.obj: cannot be read"]);
     folder.write("far.obj", "v 9 9 9\nv 9.1 9 9\nv 9 9.1 9\nf 1 2 3\n");
-    bad_data(&["--truth", "far.obj", "--unit", "m"], &["do not belong together", "hint: --truth-from-world"]);
+    bad_data(&["--truth", "far.obj", "--unit", "m"], &["so they do not match", "hint: --truth-from-world"]);
     folder.write("c.toml", "object = \"rec\"\ncandidates = 7\n[recording]\n");
     folder.refused(&["scan", "--config", "c.toml"], DATA, &["c.toml", "candidates is for simulations"]);
     folder.write("c.toml", "name = \"x\"\n[scan.recording]\n");
@@ -407,7 +415,7 @@ fn questions_that_a_map_cannot_answer() {
         let parts = [&format!("invalid value '{planner}'"), "possible values: most-surface, max-flow, local"];
         plan(&["--planner", planner], USAGE, &parts);
     }
-    plan(&["--theta", "1.5"], USAGE, &["--theta", "1.5 is not in 0 to 1"]);
+    plan(&["--theta", "1.5"], USAGE, &["--theta", "1.5 is not between 0 and 1"]);
     plan(&["--box", "0,0,0,100"], USAGE, &["MB, more than the limit", "--box"]);
     plan(&["--box", "0,0,0,1e30"], USAGE, &["--box"]);
     folder.refused(&["plan", "--map", map, "--views", "missing.csv"], DATA, &["missing.csv: cannot be read"]);
@@ -436,7 +444,11 @@ fn questions_that_a_map_cannot_answer() {
 fn places_that_cannot_be_written() {
     let folder = Folder::new("bad-places");
     folder.write("file", "mine");
-    folder.refused(&["scan", "--out", "file"], DATA, &["file: exists and is no folder", "hint: ", "--out"]);
+    folder.refused(
+        &["scan", "--out", "file"],
+        DATA,
+        &["file: exists and is not a folder", "hint: ", "--out"],
+    );
     folder.refused(&["scan", "--out", "file/below"], DATA, &["file/below: cannot be written", "hint: "]);
     folder.refused(&["scan", "--out", "/dev/null/below"], DATA, &["/dev/null/below: cannot be written"]);
     folder.refused(

@@ -174,8 +174,8 @@ fn a_torn_last_line_is_done_again_and_other_damage_is_reported() {
         put(&runs[..cut]);
         let run = folder.run(&resume);
         assert_eq!(run.code, Some(0), "{}", run.stderr);
-        assert_eq!(run.stderr, "note: the last line of runs.jsonl is not whole; its run is done again\n");
-        assert!(run.stdout.contains("10 runs, 9 done before"), "{}", run.stdout);
+        assert_eq!(run.stderr, "note: the last line of runs.jsonl is incomplete; its run is repeated\n");
+        assert!(run.stdout.contains("10 runs, 9 already done"), "{}", run.stdout);
         check_tables(&folder, "torn");
     }
     let mut lines: Vec<&str> = runs.lines().collect();
@@ -189,7 +189,7 @@ fn a_torn_last_line_is_done_again_and_other_damage_is_reported() {
     };
     refused(&[lines[0], "{", lines[1]], "line 2, column ");
     let other = lines[0].replace("\"false_voxels\":", "\"false_voxels\":9");
-    refused(&[lines[0], lines[1], &other], "lines 1 and 3 have unequal records of one run");
+    refused(&[lines[0], lines[1], &other], "lines 1 and 3 have different records of the same run");
     let other = lines[2].replace("\"views\":3", "\"views\":4");
     refused(&[lines[0], &other, lines[1]], "views is 4 there, 3 here");
     let other = lines[2].replace("\"seed\":", "\"seed\":9");
@@ -298,7 +298,7 @@ fn a_folder_is_that_of_one_campaign() {
         }
     };
     let again = ["bench", "tiny.toml", "--out", "bench-tiny"];
-    refused(&again, &["has the results of a campaign already", "--resume"]);
+    refused(&again, &["already has the results of a campaign", "--resume"]);
     folder.write("other.toml", SPEC.replace("views = 3", "views = 4"));
     refused(&["bench", "other.toml", "--resume"], &["spec.toml: ", "scan.views is 3 there, 4 here"]);
     let runs = File::options().append(true).open(folder.path("bench-tiny/runs.jsonl")).unwrap();
@@ -318,14 +318,14 @@ fn a_finished_campaign_is_not_that_of_the_next() {
     assert_eq!(folder.bytes("bench-tiny/runs.jsonl"), first);
     // The last one is resumed, or the one after it that was interrupted.
     let resumed = folder.ok(&["bench", "tiny.toml", "--resume"]);
-    assert!(resumed.contains("10 runs, 10 done before, in bench-tiny-2\n"), "{resumed}");
+    assert!(resumed.contains("10 runs, 10 already done, in bench-tiny-2\n"), "{resumed}");
     let lines = folder.text("bench-tiny/runs.jsonl");
     folder.write("bench-tiny-3/runs.jsonl", lines.lines().next().unwrap().to_owned() + "\n");
     folder.write("bench-tiny-3/spec.toml", folder.bytes("bench-tiny/spec.toml"));
     let run = folder.run(&["bench", "tiny.toml"]);
     assert!(run.code == Some(1) && run.stderr.contains("bench-tiny-3: has the results of"), "{}", run.stderr);
     let resumed = folder.ok(&["bench", "tiny.toml", "--resume"]);
-    assert!(resumed.contains("10 runs, 1 done before, in bench-tiny-3\n"), "{resumed}");
+    assert!(resumed.contains("10 runs, 1 already done, in bench-tiny-3\n"), "{resumed}");
 }
 
 #[test]
@@ -341,10 +341,10 @@ fn other_files_are_neither_specification_nor_tables() {
         assert!(run.stderr.contains("choose another folder (--out)") && !run.stderr.contains("--force"));
         assert!(!folder.path("runs.jsonl").exists());
     };
-    refused("specification", "spec.toml: the folder is that of another specification");
+    refused("specification", "spec.toml: the folder belongs to another specification");
     assert_eq!(folder.text("spec.toml"), spec);
     folder.write("steps.csv", "mine");
-    refused("table", ".: holds results already: steps.csv");
+    refused("table", ".: already holds results: steps.csv");
     assert_eq!(folder.text("steps.csv"), "mine");
 }
 

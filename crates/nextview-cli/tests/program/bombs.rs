@@ -207,7 +207,7 @@ fn images_of_a_recording() {
     folder.refuses_bomb(
         &SCAN,
         "rec",
-        &["color/001.png: the colour image has 8192 x 8192 pixels, expected those"],
+        &["color/001.png: the colour image has 8192 x 8192 pixels, expected the size"],
     );
     fs::remove_dir_all(folder.path("rec/color")).unwrap();
     for i in 0..3 {
@@ -305,7 +305,7 @@ fn meshes_in_many_places() {
     let buffers = |text: String| text.replace(again, &list(&|_| again.to_owned(), 1000));
     folder.write("m/data.bin", [gltf_data(1), vec![0; 1_000_000]].concat());
     folder.write("m/a.gltf", buffers(gltf(r#"{"mesh":0}"#, "0", 1)));
-    folder.refuses_bomb(&scan, "m", &["a.gltf: buffers[1]: ", "names a file that was read already"]);
+    folder.refuses_bomb(&scan, "m", &["a.gltf: buffers[1]: ", "names a file that was already read"]);
 }
 
 #[test]
@@ -373,7 +373,7 @@ fn maps_of_merged_leaves() {
     let parts = [
         "far.ot: planning in the box around its occupied voxels, from ",
         " MB, more than the limit of 181 MB",
-        "hint: state the cube that the object lies in as --box",
+        "hint: set --box to a cube around the object",
     ];
     folder.refuses_bomb(&["plan", "--map", "far.ot", "--views", "views.csv"], "far.ot", &parts);
     // A leaf of 2^24 voxels, in 300 bytes.
@@ -425,17 +425,21 @@ fn files_without_end() {
     folder.refuses_bomb(
         &["scan", "builtin:mug", "--view-space", "hole"],
         "none",
-        &["hole: the file: has more than 67108864 bytes"],
+        &["hole: byte 67108864: the file goes on, expected at most 67108864 bytes"],
     );
     let plan = ["plan", "--map", "out/map.ot", "--views", "hole"];
-    folder.refuses_bomb(&plan, "none", &["hole: the file: has more than 67108864 bytes"]);
+    folder.refuses_bomb(
+        &plan,
+        "none",
+        &["hole: byte 67108864: the file goes on, expected at most 67108864 bytes"],
+    );
     folder.refuses_bomb(&["map", "info", "hole"], "none", &["hole: line 1: longer than 4096 bytes"]);
     folder.refuses_bomb(
         &["report", "runs"],
         "none",
         &["runs.jsonl, line 1, column 1: is longer than 67108864 bytes"],
     );
-    folder.refuses_bomb(&["scan", "--frames", "hole"], "none", &["hole: is no MCAP file"]);
+    folder.refuses_bomb(&["scan", "--frames", "hole"], "none", &["hole: is not an MCAP file"]);
 }
 
 #[test]

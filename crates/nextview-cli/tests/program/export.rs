@@ -52,7 +52,7 @@ fn what_cannot_be_exported_is_named() {
     refused(
         &["rec", "--to", "tum", "--out=x"],
         1,
-        &["rec: holds no results of a scan", "name the folder that a scan has written"],
+        &["rec: holds no results of a scan", "name the folder with the results of a scan"],
     );
     refused(&["out", "--to", "tum", "--out=out"], 1, &["out: is the folder of the results", "(--out)"]);
     refused(&["out", "--to", "ply", "--out=x"], 2, &["[possible values: bop, colmap, foundationpose,"]);
@@ -135,7 +135,7 @@ fn a_mesh_whose_colours_are_broken_is_scanned_without_and_that_is_said() {
         folder.write(&object, tetrahedron(&format!("mtllib {name}.mtl\nusemtl image\n"), corners));
         let printed =
             folder.ok(&["scan", &object, "--unit=m", "--views=1", "--baselines=off", "--out", name]);
-        let note = printed.lines().find(|line| line.starts_with("note: the mesh goes without colours: "));
+        let note = printed.lines().find(|line| line.starts_with("note: the mesh is used without colours: "));
         assert!(note.is_some_and(|note| note.contains(problem)), "{printed}");
         assert!(!folder.path(&format!("{name}/frames/color")).exists());
     }

@@ -40,7 +40,7 @@ fn a_part_that_is_its_model_has_no_defects_wherever_it_stood() {
     folder.write("turned.obj", turned.join("\n"));
     let of_turned = ["inspect", "out", "--reference", "turned.obj", "--unit", "mm", "--out", "too", "--json"];
     let run = folder.run(&of_turned);
-    assert!(run.stderr.contains("run clockwise seen from outside, and are turned over"), "{}", run.stderr);
+    assert!(run.stderr.contains("run clockwise seen from outside, and are reversed"), "{}", run.stderr);
     let record: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
     assert_eq!(record["defects"], serde_json::json!([]), "{record}");
     assert!(record["within_share"].as_f64().unwrap() > 0.8, "{record}");

@@ -53,7 +53,7 @@ fn a_scan_keeps_what_it_reads_whatever_is_forced() {
     for more in [&[][..], &["--force"]] {
         // The number of candidates is that of the file, or of the frames.
         let scan = |args: &[&'static str]| [&["scan"], args, &QUICK[1..], &["--out", "."], more].concat();
-        let read = "is read, and would be written over\nhint: choose another folder (--out)";
+        let read = "is an input, and would be overwritten\nhint: choose another folder (--out)";
         refused(&folder, &scan(&["mesh.ply"]), ".", &["error: ./mesh.ply: ", read]);
         refused(&folder, &scan(&["builtin:mug", "--view-space", "views.csv"]), ".", &["./views.csv: ", read]);
         refused(&folder, &scan(&["builtin:mug", "--config", "config.toml"]), ".", &["./config.toml: ", read]);
@@ -87,14 +87,14 @@ fn results_are_replaced_only_by_force() {
     let folder = Folder::new("keep-results");
     let scan = |args: &[&'static str]| scan(&["builtin:mug"], args);
     folder.ok(&scan(&["--out=out"]));
-    let parts = ["error: out: holds results already: config.toml, record.json, ", "replace them (--force)"];
+    let parts = ["error: out: already holds results: config.toml, record.json, ", "replace them (--force)"];
     refused(&folder, &scan(&["--out=out"]), "out", &parts);
     folder.ok(&scan(&["--out=out", "--force", "--planner=random"]));
     assert!(folder.text("out/config.toml").contains("planner = \"random\""));
     assert_eq!(folder.names("out"), RESULT_FILES);
     // A single file of such a name is enough.
     folder.write("other/report.html", "mine");
-    refused(&folder, &scan(&["--out=other"]), "other", &["other: holds results already: report.html"]);
+    refused(&folder, &scan(&["--out=other"]), "other", &["other: already holds results: report.html"]);
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn a_folder_that_is_being_scanned_is_not_taken() {
     let busy =
         ["out", "scan-mug-most-surface"].map(|name| ScanJournal::begin(&folder.path(name), "").unwrap());
     let run = folder.run(&scan(&["builtin:mug"], &["--out=out", "--force"]));
-    let told = "error: out: is being scanned right now, here or in another process\nhint: choose another \
+    let told = "error: out: is in use by a running scan, here or in another process\nhint: choose another \
                 folder (--out), or wait until that scan is finished\n";
     assert_eq!((run.code, run.stdout.as_str(), run.stderr.as_str()), (Some(1), "", told));
     let run = folder.run(&["scan", "--resume", "out"]);
@@ -151,18 +151,18 @@ fn single_files_are_replaced_only_by_force() {
     let folder = Folder::new("keep-files");
     folder.write("views.csv", "mine");
     let views = ["views", "--count=3", "--out=views.csv"];
-    refused(&folder, &views, ".", &["views.csv: exists already", "hint: ", "replace this one (--force)"]);
+    refused(&folder, &views, ".", &["views.csv: already exists", "hint: ", "replace this one (--force)"]);
     folder.ok(&[&views[..], &["--force"]].concat());
     assert!(folder.text("views.csv").starts_with("x_m,y_m,z_m,"));
     assert_eq!(folder.run(&["views", "--force"]).code, Some(2), "nothing to replace");
 
     folder.ok(&scan(&["builtin:mug"], &["--out=out"]));
     folder.ok(&["map", "convert", "out/map.ot", "a.bt"]);
-    refused(&folder, &["map", "convert", "out/map.ot", "a.bt"], ".", &["a.bt: exists already"]);
+    refused(&folder, &["map", "convert", "out/map.ot", "a.bt"], ".", &["a.bt: already exists"]);
     folder.ok(&["map", "convert", "out/map.bt", "a.bt", "--force"]);
     for more in [&[][..], &["--force"]] {
         let same = [&["map", "convert", "a.bt", "./out/../a.bt"], more].concat();
-        refused(&folder, &same, ".", &["./out/../a.bt: is read, and would be written over"]);
+        refused(&folder, &same, ".", &["./out/../a.bt: is an input, and would be overwritten"]);
     }
 }
 
@@ -178,7 +178,7 @@ fn a_report_replaces_reports_of_campaigns() {
     // The page of a scan, and a text of someone else.
     for (name, text) in [("report.html", "<!DOCTYPE html>\n<title>mug</title>"), ("report.md", "# Mine\n")] {
         folder.write(&format!("bench-one/{name}"), text);
-        let parts = ["bench-one: holds results already: ", name, "replace them (--force)"];
+        let parts = ["bench-one: already holds results: ", name, "replace them (--force)"];
         refused(&folder, &["report", "bench-one"], "bench-one", &parts);
         folder.ok(&["report", "bench-one", "--force"]);
     }

@@ -140,7 +140,7 @@ fn colour_is_in_cloud_and_mesh() {
     folder.write("rec/color/001.png", [0; 9]);
     let run = folder.run(&SCAN);
     assert!(
-        run.code == Some(1) && run.stderr.contains("rec/color/001.png: is no whole PNG"),
+        run.code == Some(1) && run.stderr.contains("rec/color/001.png: is not a complete PNG"),
         "{}",
         run.stderr
     );
@@ -161,7 +161,7 @@ fn what_is_left_out_is_told() {
     let run = folder.run(&scan(&["--views", "2", "--json"]));
     assert!(run.code == Some(0) && run.stderr.starts_with("skipped: the pose of frame 2"), "{}", run.stderr);
     let result: Value = serde_json::from_str(&run.stdout).unwrap();
-    assert!(result["skipped"][0].as_str().unwrap().contains("depth/ has no image of that number"));
+    assert!(result["skipped"][0].as_str().unwrap().contains("depth/ has no image with that number"));
 }
 
 #[test]
@@ -263,9 +263,9 @@ fn a_scan_that_finds_no_object_says_how_to_go_on() {
     let run = folder.run(&scan(&["--table-z-m", "10"]));
     assert_eq!(run.code, Some(1), "{}", run.stderr);
     for part in [
-        "note: out holds what there is of this scan; --force replaces it\n",
+        "note: out holds the results so far; --force replaces them\n",
         "error: cloud and mesh: the first frame shows no object above the table",
-        "hint: --first-view begins with another frame; ",
+        "hint: set --first-view to begin with another frame; ",
         "--table-z-m states where the table is",
     ] {
         assert!(run.stderr.contains(part), "{part:?} in {}", run.stderr);

@@ -143,7 +143,7 @@ fn an_interrupted_scan_is_not_overwritten() {
     assert_eq!(folder.bytes("out/scan.journal"), journal);
     let resumed = folder.run(&["scan", "--resume", "out", "--json"]);
     assert_eq!(resumed.code, Some(0), "{}", resumed.stderr);
-    assert!(resumed.stderr.starts_with("note: resumes after "), "{}", resumed.stderr);
+    assert!(resumed.stderr.starts_with("note: resuming after "), "{}", resumed.stderr);
     assert!(!folder.names("out").contains(&"scan.journal".to_owned()), "{:?}", folder.names("out"));
     assert_eq!(folder.run(&[&SCAN[..], &["--force"]].concat()).code, Some(0), "it may be made anew");
 }
@@ -161,7 +161,7 @@ fn up_to_the_damage_a_journal_is_of_use() {
     assert_eq!(resumed.code, Some(0), "{}", resumed.stderr);
     let told = |part: &str| assert!(resumed.stderr.contains(part), "{}", resumed.stderr);
     told("scan.journal: damaged from byte ");
-    told("bytes are now in out/scan.journal.damaged-1");
+    told("bytes from there are now in out/scan.journal.damaged-1");
     assert!(results(&folder, "out") == results(&folder, "whole"));
 }
 
@@ -174,7 +174,7 @@ fn what_does_not_belong_together_is_refused() {
         assert!(run.stderr.contains(part), "{args:?}: {}", run.stderr);
     };
     refused(&["scan", "--resume", "out"], 1, "out: holds no interrupted scan");
-    refused(&["scan", "--resume", "out", "--views", "3"], 2, "leave out all else but --json");
+    refused(&["scan", "--resume", "out", "--views", "3"], 2, "only --json can be combined with it");
     folder.write("out/scan.journal", "nvframes and no more");
     refused(&["scan", "--resume", "out"], 1, "out/scan.journal: byte 8: ");
     fs::remove_file(folder.path("out/scan.journal")).unwrap();

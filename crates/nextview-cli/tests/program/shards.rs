@@ -1,4 +1,4 @@
-//! Campaigns in shards: whoever does the runs, and whatever dies, the tables are the same.
+//! Campaigns in shards: the tables are the same, no matter which process does the runs or dies.
 
 use crate::common::{Folder, Run};
 use std::fs;
@@ -76,13 +76,13 @@ fn shards_in_any_order_killed_and_repeated_give_the_tables_of_one_process() {
     }
     let before: Vec<Vec<u8>> = ["a", "b"].map(|dir| folder.bytes(&format!("{dir}/runs.jsonl"))).into();
     let said = folder.ok(&["merge", "c", "a", "e", "c-again", "b", "d", "--out", "whole"]);
-    assert_eq!(said, "24 runs of 6 folders, 5 records repeated and equal; results in whole\n");
+    assert_eq!(said, "24 runs of 6 folders, 5 identical duplicates; results in whole\n");
     check_tables(&folder, "whole");
     let after: Vec<Vec<u8>> = ["a", "b"].map(|dir| folder.bytes(&format!("{dir}/runs.jsonl"))).into();
     assert!(before == after, "the shards stay as they are");
     // It is a campaign as any other.
     let said = folder.ok(&["bench", "--resume", "--out", "whole"]);
-    assert!(said.contains("24 runs, 24 done before"), "{said}");
+    assert!(said.contains("24 runs, 24 already done"), "{said}");
     assert!(folder.ok(&["compare", "bench-tiny", "whole"]).contains("identical apart from times"));
     folder.ok(&["report", "whole"]);
 }
@@ -143,11 +143,11 @@ fn all_that_is_wrong_is_told_and_nothing_is_written() {
     let version = format!("0.1.0 ({source})");
     let parts = [
         "6 of 24 runs are missing:\n  object ",
-        &format!("6 runs were computed by the build 0.1.0 (feedfeedfeed), this is the build {version}"),
-        "other-result/runs.jsonl, line 1, column 1: line 1 of shard-1/runs.jsonl and line 1 have unequal",
+        &format!("6 runs were computed by build 0.1.0 (feedfeedfeed), but this is build {version}"),
+        "other-result/runs.jsonl, line 1, column 1: line 1 of shard-1/runs.jsonl and line 1 have different",
         "no-record/runs.jsonl, line 1, column ",
         "stranger/runs.jsonl, line 1, column 1: no run of this campaign: object ",
-        "other-spec/spec.toml: the folder is that of another specification: scan.views is 3 there, 4 here",
+        "other-spec/spec.toml: the folder belongs to another specification: scan.views is 3 there, 4 here",
         "empty/spec.toml: cannot be read",
     ];
     let run = refused(&folder, &dirs, "whole", &parts);
@@ -161,11 +161,11 @@ fn a_merge_replaces_nothing_and_leaves_out_torn_lines() {
     let all = ["shard-1", "shard-2", "shard-3", "shard-4"];
     folder.write("mine/x", "");
     for out in ["mine", "tiny.toml"] {
-        refused(&folder, &all, out, &["is not empty, and nothing is replaced", "(--out)"]);
+        refused(&folder, &all, out, &["is not empty, and existing files are not replaced", "(--out)"]);
     }
-    refused(&folder, &all, "shard-2", &["shard-2: is within shard-2, which is read", "(--out)"]);
+    refused(&folder, &all, "shard-2", &["shard-2: is inside shard-2, which is an input", "(--out)"]);
     for out in ["shard-2/whole", "mine/../shard-2/new/whole"] {
-        refused(&folder, &all, out, &["whole: is within shard-2, which is read", "(--out)"]);
+        refused(&folder, &all, out, &["whole: is inside shard-2, which is an input", "(--out)"]);
     }
     refused(
         &folder,
@@ -180,8 +180,8 @@ fn a_merge_replaces_nothing_and_leaves_out_torn_lines() {
     folder.write("again/runs.jsonl", &lines);
     folder.write("again/spec.toml", folder.bytes("shard-1/spec.toml"));
     let run = folder.run(&[&["merge", "again"], &all[..], &["--out", "whole"]].concat());
-    assert_eq!(run.stderr, "note: the last line of shard-3/runs.jsonl is not whole and was left out\n");
-    assert!(run.code == Some(0) && run.stdout.contains("5 records repeated and equal"), "{}", run.stdout);
+    assert_eq!(run.stderr, "note: the last line of shard-3/runs.jsonl is incomplete and was left out\n");
+    assert!(run.code == Some(0) && run.stdout.contains("5 identical duplicates"), "{}", run.stdout);
 }
 
 #[test]
@@ -234,7 +234,7 @@ fn a_full_disk_costs_no_run_that_was_kept() {
     assert!((1..24).contains(&n_kept));
     let run = folder.run(&["bench", "--resume", "--out", "small"]);
     assert!(
-        run.code == Some(0) && run.stdout.contains(&format!("24 runs, {n_kept} done before")),
+        run.code == Some(0) && run.stdout.contains(&format!("24 runs, {n_kept} already done")),
         "{}",
         run.stdout
     );

@@ -36,7 +36,7 @@ fn a_turn_shows_the_underside_and_makes_one_model() {
     let n_frames = folder.names("out/frames/depth").len();
     assert_eq!(n_frames as u64, before["views"].as_u64().unwrap() + after["views"].as_u64().unwrap());
     let page = folder.text("out-placement-1/report.html");
-    assert!(page.contains("To see more, turn the object") && page.contains("as to lay it"));
+    assert!(page.contains("To see more, turn the object") && page.contains("requested placement"));
     // What a turned object was scanned with can be exported, and scanned again.
     folder.ok(&["export", "out", "--to", "pcd", "--out", "pcd"]);
     let again = folder.json(&[
@@ -62,7 +62,7 @@ fn a_turn_shows_the_underside_and_makes_one_model() {
 
     let third = folder.run(&[&BRACKET[..], &["--after=out", "--out=third"]].concat());
     assert_eq!(third.code, Some(1));
-    assert!(third.stderr.contains("nothing can go on after both"), "{}", third.stderr);
+    assert!(third.stderr.contains("cannot be continued itself"), "{}", third.stderr);
 
     // Without one of its frames, the first placement would be another object.
     let frame = folder.names("out-placement-1/frames/depth").remove(0);
@@ -81,11 +81,11 @@ fn what_cannot_be_turned_is_named() {
         assert!(run.stderr.contains(part), "{part:?} in {}", run.stderr);
         assert!(!folder.path("out").exists(), "{args:?} left something");
     };
-    refused(&["--flips=1"], 2, "hint: --table fit has the scan find its table");
+    refused(&["--flips=1"], 2, "hint: --table fit lets the scan find its table");
     refused(&["--flips=2", "--table=known"], 2, "2 is not in 0..=1");
     refused(&["--flips=1", "--after=x", "--table=known"], 2, "cannot be used with");
     refused(&["--after=no"], 1, "no: holds no results of a scan");
     folder.run(&small(&["--views=2", "--baselines=off"]));
     std::fs::rename(folder.path("out"), folder.path("floating")).unwrap();
-    refused(&["--after=floating"], 1, "asks for no other placement");
+    refused(&["--after=floating"], 1, "requests no other placement");
 }

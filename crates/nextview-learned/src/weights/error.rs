@@ -20,7 +20,7 @@ pub enum WeightsError {
     },
     /// A tensor that the network does not have.
     #[error(
-        "there is a tensor {name}, expected those of {network} alone: weight and bias of {}",
+        "there is a tensor {name}, expected only those of {network}: weight and bias of {}",
         expected.join(", ")
     )]
     Unknown {

@@ -67,19 +67,22 @@ pub(crate) fn read(file: &[u8], layout: &Layout) -> Result<Vec<Layer>, WeightsEr
 /// The tensors in the header, and the bytes after it.
 fn split(file: &[u8]) -> Result<(BTreeMap<String, Entry>, &[u8]), WeightsError> {
     let (length, rest) = file.split_first_chunk().ok_or_else(|| {
-        format_error("the file", format!("has {} bytes, expected a safetensors file", file.len()))
+        format_error(format!("byte {}", file.len()), "the file ends, expected a safetensors file".to_owned())
     })?;
     let length = u64::from_le_bytes(*length);
     if length > MAX_HEADER {
         let problem = format!(
-            "announce a header of {length} bytes, expected at most {MAX_HEADER}: is this a safetensors file?"
+            "the header has {length} bytes, expected at most {MAX_HEADER}: is this a safetensors file?"
         );
-        return Err(format_error("the first 8 bytes", problem));
+        return Err(format_error("byte 0", problem));
     }
     let (header, data) = rest.split_at_checked(length as usize).ok_or_else(|| {
-        format_error("the header", format!("has {} of {length} bytes: the file is cut off", rest.len()))
+        format_error(
+            "the header",
+            format!("has only {} of {length} bytes: the file is truncated", rest.len()),
+        )
     })?;
-    let bad = |e: serde_json::Error| format_error("the header", format!("is no table of tensors: {e}"));
+    let bad = |e: serde_json::Error| format_error("the header", format!("is not a table of tensors: {e}"));
     let mut table: BTreeMap<String, serde_json::Value> = serde_json::from_slice(header).map_err(bad)?;
     table.remove("__metadata__");
     let entries = table.into_iter().map(|(name, value)| {
@@ -106,7 +109,7 @@ fn numbers(name: String, entry: Entry, expected: Shape, data: &[u8]) -> Result<V
         let n = data.len();
         format_error(
             place(),
-            format!("has the bytes {begin} to {end} of {n} that there are: the file is cut off"),
+            format!("has the bytes {begin} to {end}, but there are only {n}: the file is truncated"),
         )
     })?;
     let needed = size * expected.0.iter().product::<usize>();
@@ -205,7 +208,7 @@ pub(crate) mod tests {
         let missing = refusal(|tensors| tensors.retain(|tensor| tensor.0 != "fc2.bias"));
         assert_eq!(missing, "there is no tensor fc2.bias, expected [500]");
         let more = refusal(|tensors| tensors.push(("fc6.bias".to_owned(), "F32", vec![1], vec![0; 4])));
-        assert!(more.starts_with("there is a tensor fc6.bias, expected those of NBV-Net alone"));
+        assert!(more.starts_with("there is a tensor fc6.bias, expected only those of NBV-Net"));
         let dtype = refusal(|tensors| tensors[3].1 = "I64");
         assert_eq!(dtype, "the tensor conv2.bias is of type I64, expected F32 or F16");
         let short = refusal(|tensors| tensors[2].3.truncate(400));
@@ -226,19 +229,19 @@ pub(crate) mod tests {
         let whole = file(&tensors(2, &nbv_net()));
         let message = |bytes: &[u8]| read(bytes, &nbv_net()).unwrap_err().to_string();
         for (n, expected) in
-            [(0, "the file: has 0 bytes"), (7, "has 7 bytes"), (500, "the header: has 492 of")]
+            [(0, "byte 0: the file ends"), (7, "byte 7: the file ends"), (500, "the header: has only 492 of")]
         {
             assert!(message(&whole[..n]).contains(expected), "{n}: {}", message(&whole[..n]));
         }
-        assert!(message(&whole[..whole.len() - 1]).contains("that there are: the file is cut off"));
+        assert!(message(&whole[..whole.len() - 1]).contains("the file is truncated"));
         assert!(message(b"PK\x03\x04 a zip file, as .pth is").contains("is this a safetensors file?"));
         let with_header =
             |header: &[u8]| message(&[&(header.len() as u64).to_le_bytes()[..], header].concat());
-        assert!(with_header(b"{").starts_with("the header: is no table of tensors: "));
-        assert!(with_header(b"[]").starts_with("the header: is no table of tensors: "));
+        assert!(with_header(b"{").starts_with("the header: is not a table of tensors: "));
+        assert!(with_header(b"[]").starts_with("the header: is not a table of tensors: "));
         assert!(with_header(b"{}").starts_with("there is no tensor conv1.bias"));
         assert!(with_header(br#"{"fc1.bias": 3}"#).starts_with("the tensor fc1.bias: invalid type"));
         let backwards = br#"{"conv1.bias": {"dtype": "F32", "shape": [10], "data_offsets": [40, 0]}}"#;
-        assert!(with_header(backwards).contains("the bytes 40 to 0 of 0"));
+        assert!(with_header(backwards).contains("the bytes 40 to 0, but there are only 0"));
     }
 }

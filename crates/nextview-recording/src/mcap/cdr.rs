@@ -69,7 +69,7 @@ impl<'a> Cdr<'a> {
     pub fn text(&mut self) -> Result<&'a str, RecordingError> {
         let bytes = self.bytes()?;
         let text = bytes.strip_suffix(&[0]).unwrap_or(bytes);
-        str::from_utf8(text).map_err(|_| RecordingError::Content("a text is not UTF-8".into()))
+        str::from_utf8(text).map_err(|_| RecordingError::Content("a string is not UTF-8".into()))
     }
 
     /// Reads the bytes of a number, lowest first.

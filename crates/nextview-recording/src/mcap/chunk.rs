@@ -16,7 +16,7 @@ pub(super) fn records(content: &[u8]) -> Result<Vec<u8>, RecordingError> {
     let found = crc32fast::hash(&plain);
     if plain.len() as u64 != size || (crc != 0 && crc != found) {
         return Err(RecordingError::Content(format!(
-            "a chunk is damaged: {} bytes with check sum {found:08x}, expected {size} with {crc:08x}",
+            "a chunk is damaged: {} bytes with checksum {found:08x}, expected {size} with {crc:08x}",
             plain.len()
         )));
     }
@@ -42,7 +42,8 @@ fn decompressed(compression: &str, packed: &[u8], size: u64) -> Result<Vec<u8>, 
             decoder.read_to_end(&mut plain).map_err(|error| damaged(error.to_string()))?;
         }
         other => {
-            let problem = format!("a chunk is compressed with '{other}', expected zstd, lz4 or nothing");
+            let problem =
+                format!("a chunk is compressed with '{other}', expected zstd, lz4 or no compression");
             return Err(RecordingError::Content(problem));
         }
     }

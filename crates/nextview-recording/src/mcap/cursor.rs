@@ -49,6 +49,6 @@ impl<'a> Cursor<'a> {
             return Err(RecordingError::Content(problem));
         }
         str::from_utf8(self.take(length as usize)?)
-            .map_err(|_| RecordingError::Content("a name is no text (UTF-8)".into()))
+            .map_err(|_| RecordingError::Content("a name is not UTF-8".into()))
     }
 }

@@ -105,7 +105,7 @@ fn check_sum(what: &str, stated: u32, of_bytes: Hasher) -> Result<(), RecordingE
     if stated == 0 || stated == found {
         return Ok(());
     }
-    let problem = format!("{what} is damaged: its check sum is {found:08x}, expected {stated:08x}");
+    let problem = format!("{what} is damaged: its checksum is {found:08x}, expected {stated:08x}");
     Err(RecordingError::Content(problem))
 }
 
@@ -144,8 +144,8 @@ fn check_summary(records: &mut Records, n_messages: u64) -> Result<(), Recording
     }
     match counted {
         Some(counted) if counted != n_messages => Err(RecordingError::Content(format!(
-            "the file is damaged: it holds {n_messages} messages, but its summary counts {counted}; `mcap recover` keeps \
-             what is whole"
+            "the file is damaged: it holds {n_messages} messages, but its summary counts {counted}; `mcap \
+             recover` keeps the intact part"
         ))),
         _ => Ok(()),
     }
@@ -218,7 +218,9 @@ impl Records {
         match records.file.read_exact(&mut magic) {
             Ok(()) if magic == MAGIC => Ok(records),
             Err(error) if error.kind() != ErrorKind::UnexpectedEof => Err(error.into()),
-            _ => Err(RecordingError::Content("is no MCAP file: it does not begin with its mark".into())),
+            _ => Err(RecordingError::Content(
+                "is not an MCAP file: it does not begin with the magic bytes of MCAP".into(),
+            )),
         }
     }
 
@@ -247,8 +249,8 @@ impl Records {
 
     fn cut(&self) -> RecordingError {
         let problem = format!(
-            "the file ends amid a record after {} bytes: was the recorder stopped, or the file not copied whole? \
-             `mcap recover` keeps what is whole",
+            "the file ends inside a record after {} bytes: was the recorder stopped, or the copy incomplete? \
+             `mcap recover` keeps the intact part",
             self.size
         );
         RecordingError::format(format!("byte {}", self.byte), problem)

@@ -31,7 +31,7 @@ impl Poses {
         };
         // At any time: a missing pose at some times is a fault of single images.
         if let Err(error) = tree.check_connected(&world, camera) {
-            let problem = of_camera(format!("{error}; choose the frame of the world"));
+            let problem = of_camera(format!("{error}; choose the world frame"));
             return Err(RecordingError::Option { key: "world_frame", problem });
         }
         Ok(Self::Transforms { tree, world, camera: camera.to_owned() })

@@ -35,7 +35,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Reco
     let Topics { cameras, mut depths, mut others, poses, transforms, .. } = Topics::read(path)?;
     let depth_topic = chosen("depth image", &depths, "depth_topic", options.depth_topic.as_deref())?;
     let intrinsics = cameras[&camera_topic(&cameras, &depth_topic)?];
-    let Images { frame, places } = depths.remove(&depth_topic).expect("it was chosen of these");
+    let Images { frame, places } = depths.remove(&depth_topic).expect("it was chosen from these");
     let notes = transforms.notes();
     let poses = poses_of(poses, transforms, &frame, options)?;
     let colors = match &options.color_topic {
@@ -219,7 +219,7 @@ fn camera_topic(cameras: &BTreeMap<String, Intrinsics>, depth_topic: &str) -> Re
             "there is no CameraInfo topic, expected ROS 2 messages in CDR".into(),
         )),
         (_, names) => Err(RecordingError::Content(format!(
-            "none of the CameraInfo topics, {names:?}, is the one beside {depth_topic}"
+            "none of the CameraInfo topics, {names:?}, belongs to {depth_topic}"
         ))),
     }
 }

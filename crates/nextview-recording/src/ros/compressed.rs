@@ -47,7 +47,7 @@ impl CompressedImage<'_> {
         match self.format.split(';').next().unwrap_or_default().trim() {
             "16UC1" => decode_depth(file, None, intrinsics, 0.001),
             "32FC1" => inverse_depth(head, file, intrinsics),
-            other => Err(content(format!("depth is of the encoding '{other}', expected 16UC1 or 32FC1"))),
+            other => Err(content(format!("the encoding of the depth is '{other}', expected 16UC1 or 32FC1"))),
         }
     }
 
@@ -169,7 +169,7 @@ mod tests {
                 with_head(0, 0.0, 0.0, &rgb),
                 "8 bits with colour, expected depth",
             ),
-            ("jpeg", vec![0xff, 0xd8, 0xff], "is no whole PNG image"),
+            ("jpeg", vec![0xff, 0xd8, 0xff], "is not a complete PNG image"),
         ] {
             let error = CompressedImage { format, data: &data }.depth(&intrinsics()).unwrap_err().to_string();
             assert!(error.contains(expected), "{error}");

@@ -75,7 +75,7 @@ fn colour_may_be_jpeg() {
     for length in [2, 30, 150, whole.len() / 2, whole.len() - 20] {
         folder.write("color/000.jpg", &whole[..length]);
         let cut = error(folder.open());
-        assert!(cut.contains("color/000.jpg: is no whole JPEG image"), "{length}: {cut}");
+        assert!(cut.contains("color/000.jpg: is not a complete JPEG image"), "{length}: {cut}");
     }
     for i in 0..whole.len() {
         let mut damaged = whole.clone();
@@ -85,7 +85,7 @@ fn colour_may_be_jpeg() {
     }
     folder.write("color/000.png", color_png(1));
     let error = folder.open().unwrap_err().to_string();
-    assert!(error.contains("color/000.png: frame 0 has another image"), "{error}");
+    assert!(error.contains("color/000.png: frame 0 already has an image"), "{error}");
 }
 
 #[test]
@@ -129,16 +129,16 @@ fn images_that_are_no_colour_are_refused() {
     assert!(transparent.contains("is a PNG image of 8 bits, Rgba"), "{transparent}");
     let small = png(40, 60, ColorType::Rgb, BitDepth::Eight, &[7; 40 * 60 * 3]);
     let small = with("color/001.png", &small);
-    assert!(
-        small.contains("001.png: the colour image has 40 x 60 pixels, expected those of the depth, 80 x 60")
-    );
+    assert!(small.contains(
+        "001.png: the colour image has 40 x 60 pixels, expected the size of the depth image, 80 x 60"
+    ));
     let large = with("color/002.jpg", &jpeg(80, 64, |_, _| [9; 3]));
     assert!(large.contains("002.jpg: the colour image has 80 x 64 pixels"), "{large}");
     let name = with("color/first.jpeg", &[]);
-    assert!(name.contains("first.jpeg: is no number of a frame, expected names such as 000.png"), "{name}");
+    assert!(name.contains("first.jpeg: is not a frame number, expected names such as 000.png"), "{name}");
     let whole = color_png(1);
     for length in [0, 20, whole.len() / 2, whole.len() - 30] {
         let cut = with("color/001.png", &whole[..length]);
-        assert!(cut.contains("color/001.png: is no whole PNG image"), "{length}: {cut}");
+        assert!(cut.contains("color/001.png: is not a complete PNG image"), "{length}: {cut}");
     }
 }

@@ -54,11 +54,11 @@ fn images_that_are_no_depth() {
     let small = png(40, 60, ColorType::Grayscale, BitDepth::Sixteen, &[7; 40 * 60 * 2]);
     assert_error(
         with("small", small),
-        &["001.png: the image has 40 x 60 pixels, the intrinsics are for 80 x 60"],
+        &["001.png: the image has 40 x 60 pixels, but the intrinsics are for 80 x 60"],
     );
     let whole = MadeUp::new(1).png(0);
     for length in [0, 4, 20, whole.len() / 2, whole.len() - 30] {
-        assert_error(with("cut", whole[..length].to_vec()), &["001.png: is no whole PNG image"]);
+        assert_error(with("cut", whole[..length].to_vec()), &["001.png: is not a complete PNG image"]);
     }
 }
 
@@ -80,13 +80,13 @@ fn images_that_show_nothing_are_left_out() {
 #[test]
 fn holes_are_left_out() {
     let hole = changed("hole", |folder| remove(folder, "depth/001.png")).unwrap();
-    let why = "the pose of frame 1 (poses.csv, line 3) is left out: depth/ has no image of that number";
+    let why = "the pose of frame 1 (poses.csv, line 3) is left out: depth/ has no image with that number";
     assert_eq!(hole, [why]);
     let extra = changed("extra", |folder| {
         let poses = folder.text("poses.csv");
         folder.write("poses.csv", poses.lines().take(3).collect::<Vec<_>>().join("\n"));
     });
-    assert_eq!(extra.unwrap(), ["the image of frame 2 is left out: poses.csv has no row of that frame"]);
+    assert_eq!(extra.unwrap(), ["the image of frame 2 is left out: poses.csv has no row for that frame"]);
     let moved = changed_tum("moved", |folder| {
         folder.replace("groundtruth.txt", "1305031102.1050", "1305031102.1249")
     });
@@ -105,13 +105,13 @@ fn twins_are_told_by_both_lines() {
     );
     assert_error(
         changed("twin-image", |folder| folder.write("depth/1.png", "")),
-        &["depth/1.png: frame 1 has another image", "depth/001.png"],
+        &["depth/1.png: frame 1 already has an image", "depth/001.png"],
     );
     assert_error(
         changed_tum("twin-time", |folder| {
             folder.replace("depth.txt", "1305031102.1000 ", "1305031102.0000 ")
         }),
-        &["depth.txt: line 4: has the timestamp 1305031102 of line 3 again"],
+        &["depth.txt: line 4: has the same timestamp, 1305031102, as line 3"],
     );
 }
 
@@ -123,7 +123,7 @@ fn files_that_are_missing_cut_or_strange() {
     );
     assert_error(
         changed("no-poses", |folder| remove(folder, "poses.csv")),
-        &["is no recording, expected a folder"],
+        &["is not a recording, expected a folder"],
     );
     assert_error(
         changed("cut-poses", |folder| {
@@ -134,11 +134,11 @@ fn files_that_are_missing_cut_or_strange() {
     );
     assert_error(
         changed("name", |folder| folder.write("depth/first.png", "")),
-        &["first.png: is no number of a frame"],
+        &["first.png: is not a frame number"],
     );
     assert_error(
         changed("binary", |folder| folder.write("poses.csv", [0x61, 0x0a, 0xff])),
-        &["poses.csv: byte 2 in line 2: is no text"],
+        &["poses.csv: byte 2 in line 2: is not UTF-8 text"],
     );
     assert_error(
         changed("utf-16", |folder| folder.write("poses.csv", [0xff, 0xfe])),
@@ -173,7 +173,7 @@ fn masks_make_what_they_leave_out_free() {
     folder.write("mask/000.png", mask(255));
     let masked = folder.open().unwrap();
     let skipped: Vec<String> = masked.skipped.iter().map(|skipped| skipped.to_string()).collect();
-    assert_eq!(skipped, ["frame 1 is left out: mask/ has no image of that number"]);
+    assert_eq!(skipped, ["frame 1 is left out: mask/ has no image with that number"]);
     let masked = masked.frames[0].load().unwrap();
     for v in 0..60 {
         (0..40).for_each(|u| assert_eq!(masked.image().get(u, v), Depth::Beyond));

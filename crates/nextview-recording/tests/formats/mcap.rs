@@ -247,7 +247,7 @@ fn files_that_are_cut_or_changed_are_refused() {
         for length in (0..whole.len() - BEHIND_DATA).step_by(whole.len() / 40) {
             let error = open(&folder, &whole[..length], &ReadOptions::default()).unwrap_err();
             let parts = if length < 8 {
-                ["bag.mcap: ", "is no MCAP file"]
+                ["bag.mcap: ", "is not an MCAP file"]
             } else {
                 ["bag.mcap: byte ", "mcap recover"]
             };
@@ -265,7 +265,10 @@ fn files_that_are_cut_or_changed_are_refused() {
     damaged[middle] ^= 1;
     let error = open(&folder, &damaged, &ReadOptions::default()).unwrap_err();
     assert_parts(&error, &["bag.mcap: record at byte ", "a chunk is damaged"]);
-    assert_parts(&open(&folder, b"ply\nformat", &ReadOptions::default()).unwrap_err(), &["is no MCAP file"]);
+    assert_parts(
+        &open(&folder, b"ply\nformat", &ReadOptions::default()).unwrap_err(),
+        &["is not an MCAP file"],
+    );
 }
 
 /// What is read from a file: optics, poses, times and images.
@@ -317,7 +320,7 @@ fn check_sums_and_counts_of_the_file_are_compared() {
     let mut pixel = whole.clone();
     let at = whole.windows(2).position(|pair| pair == 320_u16.to_le_bytes()).unwrap();
     pixel[at] ^= 1;
-    assert_parts(&error(&pixel), &["record at byte ", "the file's data is damaged: its check sum is "]);
+    assert_parts(&error(&pixel), &["record at byte ", "the file's data is damaged: its checksum is "]);
     // 0 is no check sum.
     let data_end = whole.len() - BEHIND_DATA - 4;
     pixel[data_end..data_end + 4].fill(0);
@@ -397,7 +400,7 @@ fn messages_that_cannot_be_are_refused() {
     let small = error("small", |messages| nth(messages, 1, 1, small.clone()));
     assert_parts(
         &small,
-        &["bag.mcap: message 2 of /camera/depth", "40 x 60 pixels, the intrinsics are for 80 x 60"],
+        &["bag.mcap: message 2 of /camera/depth", "40 x 60 pixels, but the intrinsics are for 80 x 60"],
     );
     let twin = error("twin", |messages| {
         let first = messages.iter().find(|(of, _)| *of == 1).unwrap().1.clone();

@@ -134,7 +134,10 @@ fn images_outside_the_times_of_the_transforms_are_left_out_and_wrong_transforms_
     let recording = open(&folder, &file(Form::PLAIN, &all), &ReadOptions::default()).unwrap();
     assert_eq!((recording.frames.len(), recording.skipped.len()), (3, 1));
     let told = recording.skipped[0].to_string();
-    assert_parts(&told, &["message 4 of ", "'flange' in 'base' is known until", "before the time asked for"]);
+    assert_parts(
+        &told,
+        &["message 4 of ", "'flange' in 'base' is known only until", "before the requested time"],
+    );
     assert_parts(
         &recording.notes.join("\n"),
         &[

@@ -18,8 +18,8 @@ pub(crate) fn section(study: &Study) -> Option<Section> {
     if variants.is_empty() {
         return None;
     }
-    let caption = "Reachable coverage over the planner's estimated completeness, before each of its views: \
-                   mean, and 10th to 90th percentile; on the thin line they are equal.";
+    let caption = "Reachable coverage against the planner's estimated completeness before each of its views: \
+                   mean, and 10th to 90th percentile. On the thin line, both are equal.";
     let figure = Figure {
         caption: caption.to_owned(),
         overview: None,
@@ -27,7 +27,7 @@ pub(crate) fn section(study: &Study) -> Option<Section> {
         data: data(&variants),
     };
     Some(Section {
-        title: "How complete is the scan, as the planner estimates".to_owned(),
+        title: "Completeness estimated by the planner".to_owned(),
         blocks: std::iter::once(Block::Figure(figure)).chain(forecasts(study)).collect(),
     })
 }
@@ -35,9 +35,9 @@ pub(crate) fn section(study: &Study) -> Option<Section> {
 /// Forecasts against the true outcome; `None` if no planner makes any.
 fn forecasts(study: &Study) -> Option<Block> {
     let rows: Vec<Row> = study.variants.iter().flat_map(forecast_rows).collect();
-    let caption = "Estimated completeness after the next views, as the planner forecast it before the first \
-                   of them, and reachable coverage after them: means over all views of all runs, and the mean \
-                   of the differences without their signs.";
+    let caption = "Completeness after the next views as the planner forecast it before the first of them, \
+                   and the reachable coverage that followed: means over all views of all runs, and the mean \
+                   absolute difference.";
     let numbers = ["views ahead", "forecasts", "forecast, %", "reachable coverage, %", "difference, points"];
     (!rows.is_empty()).then(|| {
         let head = std::iter::once(Column::text("planner")).chain(numbers.map(Column::number)).collect();

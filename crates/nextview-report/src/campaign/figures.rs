@@ -18,17 +18,17 @@ pub(crate) fn section(study: &Study) -> Section {
         (
             Curve::VoxelCoverage,
             "Voxel coverage",
-            "Occupied object voxels of the map over object voxels (figure 10a of the paper).",
+            "Occupied object voxels of the map as a share of all object voxels (figure 10a of the paper).",
         ),
         (
             Curve::ReachableCoverage,
             "Reachable coverage",
-            "Object voxels seen, over those that any candidate sees.",
+            "Object voxels seen, as a share of those that any candidate sees.",
         ),
         (
             Curve::Entropy,
             "Entropy",
-            "Entropy in the box, over that of an unknown box (figure 10b of the paper); lower is better.",
+            "Entropy in the box, as a share of that of an unknown box (figure 10b of the paper); lower is better.",
         ),
     ];
     let blocks = figures.into_iter().filter_map(|(curve, title, text)| figure(study, curve, title, text));
@@ -82,7 +82,7 @@ fn caption(n: usize, baselines: &[Line], of: Curve) -> String {
                  triangles: the clairvoyant planner, which knows the object.";
     }
     if !baselines.is_empty() && of == Curve::VoxelCoverage {
-        text += " Both count voxels seen, of which a few do not become occupied.";
+        text += " Both count voxels seen, a few of which do not become occupied.";
     }
     text
 }

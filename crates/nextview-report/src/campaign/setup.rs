@@ -48,7 +48,7 @@ impl Setup {
         let n = self.n_failed;
         let which = if n > MAX_LISTED { format!(": the first {MAX_LISTED} of {n}") } else { String::new() };
         (n > 0).then(|| Table {
-            caption: format!("Failed runs, which count nowhere below{which}"),
+            caption: format!("Failed runs, which are excluded below{which}"),
             head: ["variant", "object", "seed", "view seed", "first view", "reason"]
                 .map(Column::text)
                 .to_vec(),
@@ -69,8 +69,8 @@ pub(crate) fn section(setup: &Setup, study: &Study, torn: bool) -> Section {
     ];
     blocks.extend(setup.failures().map(Block::Table));
     if torn {
-        let text = "The last line of runs.jsonl was not whole yet and was left out: \
-                    the campaign may still be running.";
+        let text = "The last line of runs.jsonl was incomplete and was left out: the campaign may still be \
+                    running.";
         blocks.insert(0, Block::Text(text.to_owned()));
     }
     Section { title: "What was run".to_owned(), blocks }

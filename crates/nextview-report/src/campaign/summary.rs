@@ -33,9 +33,9 @@ const HAS: [Measure; 9] = [
 /// The section.
 pub(crate) fn section(study: &Study) -> Section {
     let method = "Every number is first averaged over the runs of one object (seeds, candidates, first views), \
-                  then over objects. Ranges are 95 % intervals of the mean by a bootstrap on two levels, \
-                  objects and the runs within each, with 10 000 resamples and a fixed seed; with fewer than \
-                  about ten objects they are too narrow. Differences are paired by object; p is that of \
+                  then over objects. Ranges are 95 % intervals of the mean from a bootstrap on two levels, \
+                  objects and the runs of each, with 10 000 resamples and a fixed seed; with fewer than \
+                  about ten objects they are too narrow. Differences are paired by object; p is from \
                   Wilcoxon's signed-rank test over objects, two-sided, not corrected for the number of \
                   comparisons.";
     let mut blocks = vec![reached(study)];
@@ -44,8 +44,8 @@ pub(crate) fn section(study: &Study) -> Section {
     let mut texts = vec![method];
     if study.variants.iter().any(|variant| variant.n_objects() != study.variants[0].n_objects()) {
         texts.push(
-            "The variants do not have the same objects, since runs failed or are still to come: \
-             only the paired differences compare like with like.",
+            "The variants do not have the same objects, because runs failed or are not yet done: only the \
+             paired differences compare like with like.",
         );
     }
     let texts = texts.into_iter().map(|text| Block::Text(text.to_owned()));
@@ -78,7 +78,7 @@ fn reached(study: &Study) -> Table {
     let measures: Vec<Measure> = measured(study, &REACHED);
     let head: Vec<&str> =
         std::iter::once("objects").chain(measures.iter().map(|measure| measure.name)).collect();
-    table(study, "What was reached with the last view: mean, its interval, median", &head, |variant| {
+    table(study, "Results after the last view: mean, its interval, median", &head, |variant| {
         let of_measure = |measure: &Measure| with_median(&variant.sample(measure), measure);
         let n_objects = Cell::from(variant.n_objects().to_string());
         std::iter::once(n_objects).chain(measures.iter().map(of_measure)).collect()
@@ -89,7 +89,7 @@ fn reached(study: &Study) -> Table {
 fn has(study: &Study) -> Option<Table> {
     let measures = measured(study, &HAS);
     let head: Vec<&str> = measures.iter().map(|measure| measure.name).collect();
-    let caption = "What the map and the cloud have in the end, and how early (docs/measures.md)";
+    let caption = "Final map and cloud, and how early coverage was reached (docs/measures.md)";
     (!measures.is_empty()).then(|| {
         table(study, caption, &head, |variant| {
             measures.iter().map(|measure| with_median(&variant.sample(measure), measure)).collect()
@@ -121,8 +121,8 @@ fn measured(study: &Study, measures: &[Measure]) -> Vec<Measure> {
 
 fn views(study: &Study) -> Table {
     let head = LEVELS.map(|level| format!("{} %", (100.0 * level).round()));
-    let caption = "Views until this share of the reachable object voxels was seen; a run that did not get \
-                   there counts as one view more than it could take, and the mean is marked ≥";
+    let caption = "Views until this share of the reachable object voxels was seen; a run that did not reach \
+                   it counts as one view more than its maximum, and the mean is marked ≥";
     let head = head.each_ref().map(String::as_str);
     table(study, caption, &head, |variant| LEVELS.map(|level| views_to(variant, level)).to_vec())
 }
@@ -143,7 +143,7 @@ fn views_to(variant: &StudyVariant, level: f64) -> Cell {
 
 fn costs(study: &Study) -> Table {
     let head = [PATH.name, "planning time per view, median, ms", "95th percentile, ms", MEMORY.name];
-    table(study, "What it cost", &head, |variant| {
+    table(study, "Costs", &head, |variant| {
         let times: Vec<f64> = variant.measured().flat_map(|run| run.plan_times()).collect();
         let time = |share| match percentile(&times, share) {
             Some(time) => PLAN_TIME.show(time).into(),
@@ -163,8 +163,8 @@ fn against(study: &Study) -> Table {
     }
     head.extend(["voxel coverage beyond the best other, points", "skill beyond the best other"]);
     let head: Vec<&str> = head.into_iter().flat_map(|name| [name, "objects better / worse / tied"]).collect();
-    let caption = "Paired differences: mean, its interval, median, p and number of objects; \
-                   the best other leaves out the clairvoyant planner";
+    let caption = "Paired differences: mean, its interval, median, p and number of objects; the best other \
+                   excludes the clairvoyant planner";
     table(study, caption, &head, |variant| {
         let own = variant.sample(&COVERAGE_BEYOND_RANDOM);
         let (interval, test) = (own.interval(), own.signed_rank());

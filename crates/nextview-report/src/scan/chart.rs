@@ -69,7 +69,7 @@ fn legend(record: &ScanRecord, curves: &[Curve]) -> String {
     for curve in curves {
         let text = match curve.class.as_str() {
             "scan" => format!("this scan ({})", record.planner),
-            "estimated" => "seen, as the planner estimates".to_owned(),
+            "estimated" => "seen, estimated by the planner".to_owned(),
             "clairvoyant" => "clairvoyant: knows the object".to_owned(),
             _ => "random views, mean".to_owned(),
         };

@@ -15,7 +15,7 @@ pub(super) fn request(record: &ScanRecord) -> Option<String> {
     let PlacementRecord { down, freed_share, unseen_share } = record.next_placement?;
     let share = |share: f64| fixed(100.0 * share, 0);
     Some(format!(
-        "{} % of the surface cannot be seen as the object lies; {}, and {} % of that can be",
+        "{} % of the surface is hidden in this position. {} to see {} % of it.",
         share(unseen_share),
         lay(record, DVec3::from_array(down)),
         share(freed_share),
@@ -26,22 +26,22 @@ pub(super) fn request(record: &ScanRecord) -> Option<String> {
 fn lay(record: &ScanRecord, down: DVec3) -> String {
     let up = record.table().map_or(DVec3::Z, |table| table.normal());
     if down.angle_between(up) < UPSIDE_DOWN {
-        return "lay it upside down".to_owned();
+        return "Turn the object upside down".to_owned();
     }
     let [x, y, z] = down.to_array().map(|x| fixed(x, 2));
-    format!("lay it on the side that now faces ({x}, {y}, {z})")
+    format!("Lay it on the side that now faces ({x}, {y}, {z})")
 }
 
 /// The turn of the object since the previous scan; `None` if there was none.
 pub(super) fn turn(record: &ScanRecord) -> Option<String> {
     let turn = record.turn?;
     if let Some(refusal) = turn.refusal {
-        return Some(format!("unknown: {}; the model is of this scan alone", refusal_phrase(refusal)));
+        return Some(format!("unknown: {}; the model is from this scan only", refusal_phrase(refusal)));
     }
     let TurnRecord { overlap, residual_mm, error_mm, .. } = turn;
     let angle = turn.now_from_before()?.rotation().angle_between(glam::DQuat::IDENTITY).to_degrees();
     let known = format!(
-        "by {} degrees; {} % of what is shown was known, {} mm apart",
+        "by {} degrees; {} % of the surface shown was already known, {} mm apart",
         fixed(angle, 1),
         fixed(100.0 * overlap?, 0),
         fixed(residual_mm?, 2)
@@ -52,11 +52,11 @@ pub(super) fn turn(record: &ScanRecord) -> Option<String> {
 
 fn refusal_phrase(refusal: TurnRefusal) -> &'static str {
     match refusal {
-        TurnRefusal::LittleOverlap => "too little of what is shown was seen before",
-        TurnRefusal::Contradicted => "the object would be where it was seen not to be",
-        TurnRefusal::Ambiguous => "several ways fit nearly equally well",
+        TurnRefusal::LittleOverlap => "too little of the surface shown was seen before",
+        TurnRefusal::Contradicted => "the object would occupy space that was seen to be free",
+        TurnRefusal::Ambiguous => "several turns fit almost equally well",
         TurnRefusal::NotTurned => "the same side is down as before",
-        _ => "for a reason of another version",
+        _ => "for a reason unknown to this version",
     }
 }
 
@@ -66,10 +66,10 @@ pub(super) fn section(page: &ScanPage<'_>) -> String {
         return String::new();
     };
     let up = page.model.up.unwrap_or(DVec3::Z);
-    let pictures = [("as it lies", -up), ("as to lay it", DVec3::from_array(next.down))]
+    let pictures = [("current placement", -up), ("requested placement", DVec3::from_array(next.down))]
         .map(|(caption, down)| picture(page.model, up, down, caption));
     format!(
-        "<h2>To see more, turn the object</h2><p>{text}. Then scan it once more, after this scan.</p>\
+        "<h2>To see more, turn the object</h2><p>{text} Then continue with another scan.</p>\
          <div class=\"placement\">{}</div>",
         pictures.concat()
     )
@@ -86,11 +86,11 @@ mod tests {
 
     #[test]
     fn the_request_says_which_side_is_down() {
-        let start = "12 % of the surface cannot be seen as the object lies; ";
-        let end = ", and 90 % of that can be";
+        let start = "12 % of the surface is hidden in this position. ";
+        let end = " to see 90 % of it.";
         let text = |down| request(&record(down)).unwrap();
-        assert_eq!(text([0.0, 0.0, 1.0]), format!("{start}lay it upside down{end}"));
-        let side = "lay it on the side that now faces (1.00, 0.00, 0.00)";
+        assert_eq!(text([0.0, 0.0, 1.0]), format!("{start}Turn the object upside down{end}"));
+        let side = "Lay it on the side that now faces (1.00, 0.00, 0.00)";
         assert_eq!(text([1.0, 0.0, 0.0]), format!("{start}{side}{end}"));
         assert_eq!(request(&ScanRecord::default()), None);
     }
@@ -108,12 +108,12 @@ mod tests {
         let text = |known| turn(&ScanRecord { turn: Some(known), ..ScanRecord::default() }).unwrap();
         assert_eq!(
             text(known),
-            "by 180.0 degrees; 43 % of what is shown was known, 0.41 mm apart; misplaced by 0.20 mm"
+            "by 180.0 degrees; 43 % of the surface shown was already known, 0.41 mm apart; misplaced by 0.20 mm"
         );
         let refused = TurnRecord { refusal: Some(TurnRefusal::Ambiguous), position_m: None, ..known };
         assert_eq!(
             text(refused),
-            "unknown: several ways fit nearly equally well; the model is of this scan alone"
+            "unknown: several turns fit almost equally well; the model is from this scan only"
         );
     }
 }

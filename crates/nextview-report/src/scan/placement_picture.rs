@@ -31,7 +31,7 @@ pub(super) fn picture(model: &ShownModel, up: DVec3, down: DVec3, caption: &str)
     let pixels = Drawing::of(&vertices, &model.triangles, up, down).pixels;
     let png = png_file([WIDTH as u32, HEIGHT as u32], pixels.as_flattened(), None, png::Compression::High);
     format!(
-        r#"<figure><img width="{WIDTH}" height="{HEIGHT}" alt="The object {caption}; unseen surface is orange" src="data:image/png;base64,{}"><figcaption>{caption}</figcaption></figure>"#,
+        r#"<figure><img width="{WIDTH}" height="{HEIGHT}" alt="The object in the {caption}; unseen surface is orange" src="data:image/png;base64,{}"><figcaption>{caption}</figcaption></figure>"#,
         BASE64_STANDARD.encode(png)
     )
 }

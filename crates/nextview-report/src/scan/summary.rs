@@ -123,7 +123,7 @@ fn areas(record: &ScanRecord) -> Option<Row> {
 /// The motion of the model before its evaluation; `None` if it was not moved.
 fn alignment(record: &ScanRecord) -> Option<Row> {
     let (moved, turned) = (record.alignment_moved_mm?, record.alignment_turned_deg?);
-    let phrase = format!("by {moved:.1} mm and {turned:.2} degrees to the true object, to measure it");
+    let phrase = format!("by {moved:.1} mm and {turned:.2} degrees to the true object, for the evaluation");
     (moved > 0.0 || turned > 0.0).then_some(("model aligned", phrase))
 }
 
@@ -180,7 +180,10 @@ fn other_body(body: &OtherBodyRecord) -> Row {
     let center = format!("({:.3}, {:.3}, {:.3}) m", center[0], center[1], center[2]);
     // Rounded up, to be large enough.
     let gap = (1e3 * body.gap_m).ceil();
-    ("other body", format!("{size} at {center}; `object_box.max_gap_m` from {} on joins it", gap / 1e3))
+    (
+        "other body",
+        format!("{size} at {center}; to include it, set `object_box.max_gap_m` to {} or more", gap / 1e3),
+    )
 }
 
 /// The places of the object and its table, if the scan had to find them.
@@ -221,7 +224,7 @@ fn costs(record: &ScanRecord) -> Vec<Row> {
         ("map update", format!("{} ms a view (median)", fixed(median(&map_times), 1))),
     ];
     if let Some(time) = record.baseline_time_ms {
-        rows.push(("baselines took", format!("{} s, apart from the scan", fixed(time / 1000.0, 1))));
+        rows.push(("baselines took", format!("{} s, not counted as scan time", fixed(time / 1000.0, 1))));
     }
     if let Some(peak) = record.peak_memory_mb {
         rows.push(("peak memory", format!("{} MB", fixed(peak, 0))));

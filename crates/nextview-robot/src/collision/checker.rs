@@ -257,5 +257,5 @@ fn joint_fault(joint: &Joint) -> Option<String> {
     // A joint may turn without limits, but not slide without limits.
     let is_bounded = joint.kind == JointKind::Revolute || lower.is_finite() && upper.is_finite();
     let is_range = lower <= upper && is_bounded;
-    (!is_range).then(|| format!("{}: range {lower} to {upper}, expected one that has ends", joint.name))
+    (!is_range).then(|| format!("{}: range {lower} to {upper}, expected a bounded range", joint.name))
 }

@@ -22,7 +22,7 @@ pub fn urdf(name: &str) -> Option<&'static str> {
 
 /// The error for an unknown preset.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no arm is called {name:?}, expected one of {}, or an own URDF file", NAMES.join(", "))]
+#[error("no arm is called {name:?}, expected one of {}, or your own URDF file", NAMES.join(", "))]
 pub struct UnknownPreset {
     /// The name.
     pub name: String,

@@ -35,7 +35,7 @@ impl Chain {
             Some((_, Some(&link))) => Ok(Some(link)),
             Some((name, None)) => {
                 let known: Vec<&str> = model.links.iter().map(|link| link.name.as_str()).take(40).collect();
-                let problem = format!("{name:?} is no link, expected one of {}", known.join(", "));
+                let problem = format!("{name:?} is not a link, expected one of {}", known.join(", "));
                 Err(UrdfFault::new(None, option, problem))
             }
         };
@@ -71,7 +71,8 @@ fn names(model: &Model) -> Result<BTreeMap<&str, usize>, UrdfError> {
 }
 
 fn twice(what: &str, name: &str, line: u32, earlier: u32) -> UrdfFault {
-    let problem = format!("the name is taken by the {what} of line {earlier}, expected another");
+    let problem =
+        format!("the name is already taken by the {what} in line {earlier}, expected a unique name");
     UrdfFault::new(Some(line), format!("{what} {name:?}"), problem)
 }
 
@@ -97,7 +98,7 @@ fn tree(model: &Model, links: &BTreeMap<&str, usize>) -> Result<(Above, Vec<usiz
         match above[below] {
             None => above[below] = Some((number, parent)),
             Some((earlier, _)) => fault(format!(
-                "link {:?} already hangs on joint {:?}, expected one joint above each link",
+                "link {:?} is already the child of joint {:?}, expected one joint above each link",
                 joint.child, model.joints[earlier].name
             )),
         }
@@ -121,14 +122,15 @@ fn root(
         open.extend(joints_below[link].iter().map(|&joint| child[joint]));
     }
     if let Some(link) = is_reached.iter().position(|is_reached| !is_reached) {
-        let problem = format!("link {} is in a ring of joints, expected a tree", name(link));
+        let problem = format!("link {} is in a loop of joints, expected a tree", name(link));
         return Err(UrdfFault::new(Some(model.links[link].line), "robot", problem));
     }
     match roots[..] {
         [root] => Ok(root),
         _ => {
             let roots: Vec<String> = roots.into_iter().map(name).take(40).collect();
-            let problem = format!("is in parts, with the roots {}, expected one tree", roots.join(", "));
+            let problem =
+                format!("has several trees, with the roots {}, expected one tree", roots.join(", "));
             Err(UrdfFault::new(None, "robot", problem))
         }
     }

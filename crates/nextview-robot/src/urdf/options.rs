@@ -24,5 +24,5 @@ impl Default for UrdfOptions<'_> {
 }
 
 fn refuse_mesh(_: &str) -> Result<Vec<DVec3>, String> {
-    Err("meshes can be read only where `load_mesh` is given".into())
+    Err("meshes can be read only if `load_mesh` is given".into())
 }

@@ -125,26 +125,31 @@ fn every_fault_says_what_and_where() {
         ("<robot ", "<sdf ", "URDF: is not well-formed XML"),
         ("<link name=\"boom\"/>", "<link/>", "link: `name` is missing, expected a name"),
         ("<link name=\"boom\"/>", "", "joint \"turn\": its child is \"boom\", expected the name of a link"),
-        ("\"boom\"/>", "\"boom\"/><link name=\"boom\"/>", "link \"boom\": the name is taken by the link of"),
+        (
+            "\"boom\"/>",
+            "\"boom\"/><link name=\"boom\"/>",
+            "link \"boom\": the name is already taken by the link in",
+        ),
         (
             "joint name=\"push\"",
             "joint name=\"turn\"",
-            "joint \"turn\": the name is taken by the joint of line",
+            "joint \"turn\": the name is already taken by the joint in line",
         ),
         (
             "<parent link=\"base\"/><child link=\"column\"/>",
             "<parent link=\"flange\"/><child link=\"column\"/>",
-            "robot: link \"column\" is in a ring of joints, expected a tree",
+            "robot: link \"column\" is in a loop of joints, expected a tree",
         ),
         (
             "\"boom\"/>",
             "\"boom\"/><link name=\"alone\"/>",
-            "robot: is in parts, with the roots \"base\", \"alone\", expected one tree",
+            "robot: has several trees, with the roots \"base\", \"alone\", expected one tree",
         ),
         (
             "<child link=\"lamp\"/>",
             "<child link=\"boom\"/>",
-            "joint \"hook\": link \"boom\" already hangs on joint \"turn\", expected one joint above each link",
+            "joint \"hook\": link \"boom\" is already the child of joint \"turn\", expected one joint above \
+             each link",
         ),
         ("<child link=\"lamp\"/>", "", "joint \"hook\": <child> is missing, expected the name of a link"),
         (
@@ -219,10 +224,11 @@ fn options_that_fit_no_file_are_refused() {
     let of = |options: &UrdfOptions| faults(ROBOT, options).join("\n");
     let base_link = Some("bass");
     assert!(
-        of(&UrdfOptions { base_link, ..options() }).starts_with("base_link: \"bass\" is no link, expected")
+        of(&UrdfOptions { base_link, ..options() })
+            .starts_with("base_link: \"bass\" is not a link, expected")
     );
     let tip_link = Some("tip");
-    assert!(of(&UrdfOptions { tip_link, ..options() }).starts_with("tip_link: \"tip\" is no link"));
+    assert!(of(&UrdfOptions { tip_link, ..options() }).starts_with("tip_link: \"tip\" is not a link"));
     let tip_link = Some("column");
     assert!(of(&UrdfOptions { tip_link, ..options() }).starts_with("robot: no joint moves between \"base\""));
     let between = UrdfOptions { base_link: Some("slide"), tip_link: Some("boom"), ..options() };

@@ -38,7 +38,7 @@ impl Capture {
     pub fn begin(timeout: f64) -> Self {
         // Longer than any program runs.
         let timeout = Duration::from_secs_f64(timeout.min(1e9));
-        let why = "no image came on depth/image or depth/image/compressedDepth".to_owned();
+        let why = "no image arrived on depth/image or depth/image/compressedDepth".to_owned();
         Self { until: Instant::now() + timeout, shot: None, why }
     }
 

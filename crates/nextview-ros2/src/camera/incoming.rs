@@ -63,7 +63,9 @@ impl Camera {
         self.last = Some(header.clone());
         let is_wanted = self.capture.as_ref().is_some_and(Capture::wants_image);
         let shot = match (is_backwards, self.intrinsics) {
-            (true, _) => Err("the stamp is before that of the image before, expected a later one".to_owned()),
+            (true, _) => {
+                Err("the stamp is earlier than that of the previous image, expected a later one".to_owned())
+            }
             (_, None) => Err("there is no camera_info yet, expected it on depth/camera_info".to_owned()),
             // Not requested: report what is known without decoding it.
             _ if !is_wanted => image.check().map(|()| None),

@@ -60,7 +60,7 @@ impl Whereabouts {
         match (inserted, time) {
             (Ok(()), _) => (),
             (Err(error @ TransformError::ClockBackwards { .. }), Some(time)) => {
-                notes.add(about, format!("{error}; what was known of moving frames is forgotten"));
+                notes.add(about, format!("{error}; all transforms of moving frames are discarded"));
                 self.tree.forget_motion();
                 // Any time is valid in an empty history.
                 let _ = self.tree.insert(parent, child, time, pose);

@@ -31,7 +31,7 @@ impl RosArguments {
             };
             let known = ["-r", "--remap", "-p", "--param", "--params-file", "--log-level"];
             if !known.contains(&flag.as_str()) {
-                faults.push(format!("'{flag}' is no argument, {EXPECTED}"));
+                faults.push(format!("'{flag}' is not an argument, {EXPECTED}"));
                 continue;
             }
             let Some(value) = value.or_else(|| arguments.next()) else {
@@ -77,7 +77,8 @@ impl RosArguments {
             }
             _ => {
                 return Err(format!(
-                    "'{text}' is no remap, expected names of letters, digits, _ and /, and for __ns one that begins with /"
+                    "'{text}' is not a remapping, expected names of letters, digits, _ and /, and for __ns \
+                     one that begins with /"
                 ));
             }
         }
@@ -127,7 +128,8 @@ mod tests {
     #[test]
     fn all_faults_are_told_at_once() {
         let error = parse("--ros-args --fast -r a -p b -r __ns:=cell -p --params-file").unwrap_err();
-        for expected in ["'--fast' is no argument", "'a' has no :=", "'__ns:=cell'", "expected FROM:=TO"] {
+        for expected in ["'--fast' is not an argument", "'a' has no :=", "'__ns:=cell'", "expected FROM:=TO"]
+        {
             assert!(error.contains(expected), "{expected}: {error}");
         }
         assert!(parse("--params-file /nowhere.yaml").unwrap_err().contains("/nowhere.yaml: cannot be read"));

@@ -39,7 +39,7 @@ fn flatten(prefix: &str, yaml: &Yaml<'_>, parameters: &mut Vec<(String, Value)>)
     };
     for (name, inner) in map {
         let Some(name) = name.as_str() else {
-            return Err(format!("a name below '{prefix}' is no text, expected names of parameters"));
+            return Err(format!("a name below '{prefix}' is not a string, expected names of parameters"));
         };
         let name = if prefix.is_empty() { name.to_owned() } else { format!("{prefix}.{name}") };
         if name.split('.').count() > MAX_DEPTH {
@@ -92,9 +92,9 @@ other:
         for (text, expected) in [
             ("[1, 2]", "holds no map"),
             ("nextview: 3", "has no `ros__parameters`"),
-            ("nextview: { ros__parameters: { a: ~ } }", "`a` is no value"),
-            ("nextview: { ros__parameters: { 3: 4 } }", "is no text"),
-            ("a: [", "is no YAML"),
+            ("nextview: { ros__parameters: { a: ~ } }", "`a` is not a value"),
+            ("nextview: { ros__parameters: { 3: 4 } }", "is not a string"),
+            ("a: [", "is not valid YAML"),
         ] {
             let error = read(text).unwrap_err();
             assert!(error.contains(expected), "{error}");

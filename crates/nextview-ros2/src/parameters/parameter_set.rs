@@ -53,7 +53,8 @@ impl Parameters {
                 // ROS sets it for every node of a simulation; stamps of images are the only clock here.
                 "use_sim_time" => (),
                 "camera" | "recording" | "object" | "sensor" => {
-                    faults.push(format!("`{name}` is no parameter: images and camera_info come on topics"));
+                    faults
+                        .push(format!("`{name}` is not a parameter: images and camera_info come on topics"));
                 }
                 _ if OWN.contains(&key) => _ = own.insert(key.to_owned(), value.clone()),
                 _ => config = merged(config, nested(key, value.clone())),
@@ -113,7 +114,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn text(&mut self, name: &str) -> Option<String> {
-        self.get(name, "a text", |value| value.as_str().map(str::to_owned))
+        self.get(name, "a string", |value| value.as_str().map(str::to_owned))
     }
 
     fn truth(&mut self, name: &str) -> Option<bool> {

@@ -5,7 +5,7 @@ use toml::Value;
 
 /// Parses the documents of a YAML text, or describes the fault.
 pub fn documents(text: &str) -> Result<Vec<Yaml<'_>>, String> {
-    Yaml::load_from_str(text).map_err(|error| format!("is no YAML: {error}"))
+    Yaml::load_from_str(text).map_err(|error| format!("is not valid YAML: {error}"))
 }
 
 /// Parses the value of a parameter after `:=`.
@@ -24,6 +24,6 @@ pub fn value(yaml: &Yaml<'_>) -> Result<Value, String> {
         Yaml::Value(Scalar::FloatingPoint(value)) => Ok(Value::Float(value.into_inner())),
         Yaml::Value(Scalar::String(value)) => Ok(Value::String(value.to_string())),
         Yaml::Sequence(items) => Ok(Value::Array(items.iter().map(value).collect::<Result<_, _>>()?)),
-        _ => Err("is no value, expected a number, true or false, a text, or a list of them".to_owned()),
+        _ => Err("is not a value, expected a number, true or false, a string, or a list of them".to_owned()),
     }
 }

@@ -135,7 +135,7 @@ impl Worker {
                 match scan.next()?.map(|next| next.view) {
                     Some(Some(view)) => scan.skip(view, "the robot cannot go there")?,
                     Some(None) => {
-                        let fault = Fault::request("the first view is no candidate and cannot be skipped");
+                        let fault = Fault::request("the first view is not a candidate and cannot be skipped");
                         return Err(fault
                             .with_remedy("take an image from anywhere that shows the object")
                             .into());
@@ -160,9 +160,10 @@ impl Worker {
             None => self.begin(camera),
             Some(scan) if scan.config().camera == camera => Ok(false),
             Some(_) => {
-                let fault =
-                    Fault::data("camera_info is not that of the scan, whose images must be of one camera");
-                Err(fault.with_remedy("`~/reset` begins anew with this camera").into())
+                let fault = Fault::data(
+                    "camera_info differs from that of the scan, whose images must be of one camera",
+                );
+                Err(fault.with_remedy("`~/reset` starts a new scan with this camera").into())
             }
         }
     }
@@ -190,7 +191,7 @@ impl Worker {
 
     fn under_way(&mut self) -> Result<&mut LiveScan, Faults> {
         self.scan.as_mut().ok_or_else(|| {
-            let fault = Fault::request("there is no scan yet, because no camera_info has come");
+            let fault = Fault::request("there is no scan yet, because no camera_info has arrived");
             fault.with_remedy("remap depth/camera_info to the topic of the camera").into()
         })
     }
@@ -223,8 +224,8 @@ impl Worker {
     /// Writes the results. Those of a finished scan are final: its journal is removed.
     fn save(&mut self) -> Result<(), Faults> {
         let Some(directory) = self.parameters.directory.clone() else {
-            let fault = Fault::request("there is no folder to save in");
-            return Err(fault.with_remedy("state the parameter `directory`").into());
+            let fault = Fault::request("no folder is set to save in");
+            return Err(fault.with_remedy("set the parameter `directory`").into());
         };
         let scan = self.under_way()?;
         let mut folder = begin_results(&directory, Overwrite::results())?;

@@ -153,17 +153,17 @@ fn of_view_distance(config: &ScanConfig) -> Option<Fault> {
         )
         .with_remedy("leave one of them out"),
         None | Some(ViewRule::Shell) => Fault::request(format!(
-            "the candidates of `view_space` = {} have no one distance",
+            "the candidates of `view_space` = {} have no common distance",
             config.view_space.0
         ))
-        .with_remedy("take sphere, hemisphere, tammes, rings or ring"),
+        .with_remedy("use sphere, hemisphere, tammes, rings or ring"),
         Some(_) if config.turntable.is_some() => {
-            Fault::request(format!("`{key}` contradicts `turntable`, which says where the camera is"))
+            Fault::request(format!("`{key}` conflicts with `turntable`, which states where the camera is"))
                 .with_remedy("leave one of them out")
         }
         Some(_) if config.object_box.rule == BoxRule::Grows => {
-            Fault::request(format!("`{key}` needs a known box: candidates move along with one that grows"))
-                .with_remedy("leave it out, or take `object_box.rule` = known")
+            Fault::request(format!("`{key}` needs a known box: candidates move with a box that grows"))
+                .with_remedy("leave it out, or set `object_box.rule` = known")
         }
         Some(_) => return None,
     };
@@ -173,7 +173,7 @@ fn of_view_distance(config: &ScanConfig) -> Option<Fault> {
 /// The planner must count seconds.
 fn of_seconds(config: &ScanConfig) -> Option<Fault> {
     (config.most_surface.per_second && !config.planner.properties().counts_seconds).then(|| {
-        let message = format!("the planner {} does not count seconds", config.planner);
+        let message = format!("the planner {} does not plan by time", config.planner);
         let fault = Fault::request(message).with_remedy(remedy(|planner| planner.counts_seconds));
         Fault { key: Some("most_surface.per_second".to_owned()), ..fault }
     })
@@ -188,7 +188,7 @@ fn of_goal(config: &ScanConfig) -> Option<Fault> {
     let knows_error = config.surface_error() != SurfaceError::default();
     takes_second_looks(config, "goal_mm").or_else(|| {
         (!knows_error).then(|| {
-            let fault = Fault::request("`goal_mm` needs to know the error of the camera")
+            let fault = Fault::request("`goal_mm` requires a camera whose error is known")
                 .with_remedy("`sensor` names a camera whose error is known");
             Fault { key: Some("goal_mm".to_owned()), ..fault }
         })
@@ -203,7 +203,7 @@ fn of_looks(config: &ScanConfig) -> Option<Fault> {
 /// The fault of a goal with a planner that takes no second looks.
 fn takes_second_looks(config: &ScanConfig, key: &str) -> Option<Fault> {
     (!config.planner.properties().takes_second_looks).then(|| {
-        let message = format!("the planner {} takes no second looks, which `{key}` needs", config.planner);
+        let message = format!("the planner {} takes no second looks, which `{key}` requires", config.planner);
         let fault = Fault::request(message).with_remedy(remedy(|planner| planner.takes_second_looks));
         Fault { key: Some(key.to_owned()), ..fault }
     })
@@ -227,7 +227,7 @@ fn of_views(config: &ScanConfig, n_views: usize) -> Vec<Fault> {
     if config.first_view >= n_views {
         let last = n_views.saturating_sub(1);
         let fault = Fault::of_value("first_view", config.first_view, format!("0 to {last}"));
-        faults.push(with_which(fault, "; they are numbered anew"));
+        faults.push(with_which(fault, "; they are renumbered"));
     }
     if let Some(views) = config.views.filter(|views| *views == 0 || *views > n_views) {
         let fault = Fault::of_value("views", views, format!("1 to {n_views} (the candidates)"));
@@ -241,7 +241,7 @@ fn of_recording(recording: &RecordingConfig, config: &ScanConfig) -> Vec<Fault> 
     let mut faults = of_place("recording", recording.bounds(), recording.table_z_m, config);
     if recording.truth.is_none() && recording.truth_from_world.is_some() {
         faults.push(Fault::request(
-            "`recording.truth_from_world` needs `recording.truth`, the mesh that it leads to",
+            "`recording.truth_from_world` needs `recording.truth`, the mesh that it refers to",
         ));
     }
     let neutral = ScanConfig::of_profile(config.profile);
@@ -295,7 +295,7 @@ fn of_turntable(config: &ScanConfig) -> Vec<Fault> {
     }
     match &config.live {
         None => refuse(
-            "`turntable` is for a camera of one's own",
+            "`turntable` is for a camera of your own",
             "`view_space` = ring alone simulates a turntable; add `live` for a camera of your own",
         ),
         Some(live) if !live.poses.is_empty() => {
@@ -323,7 +323,8 @@ fn of_place(section: &str, bounds: Option<Aabb>, table_z_m: Option<f64>, config:
         faults.push(Fault::of_value(&key, z, "a finite number of metres"));
     }
     if table_z_m.is_some() && config.object_box.table != TableRule::None {
-        let fault = Fault::request(format!("`{key}` states the table, so there is none to find"));
+        let fault =
+            Fault::request(format!("`{key}` states the table's height, so there is no table to find"));
         faults.push(fault.with_remedy(format!("leave out `{key}` or `object_box.table`")));
     }
     faults
@@ -348,10 +349,10 @@ fn only_simulated(key: &str, section: &str) -> Fault {
             "`{section}.table_z_m` states its height, `object_box.table` = fit finds it in the first image"
         ),
         ("noise", _) => "`sensor` names a camera whose error is known, and `noise.depth` changes it",
-        (_, "live") => "the frames of your camera are as they are; leave it out",
-        _ => "recorded frames are as they are; leave it out",
+        (_, "live") => "the frames of your camera are not changed; leave it out",
+        _ => "recorded frames are not changed; leave it out",
     };
-    let whose = if section == "live" { "a camera of one's own" } else { "recorded frames" };
+    let whose = if section == "live" { "a camera of your own" } else { "recorded frames" };
     let fault = Fault::request(format!("`{key}` is for simulations, not for {whose}"));
     Fault { key: Some(key.to_owned()), ..fault.with_remedy(remedy) }
 }

@@ -12,7 +12,8 @@ named! {
     #[derive(Default)]
     pub enum Profile {
         Paper = "paper": "The paper's formulas, 5000 candidates, voxels of 1 cm, stop at q_thresh = 0.5; as in its authors' program, only points on the object count and rays are thin",
-        #[default] Default = "default": "What works best: the planner most-surface; what the camera sees past the object carves free space",
+        #[default] Default = "default": "The best settings: the planner most-surface; what the camera sees \
+                                         past the object carves free space",
     }
 }
 
@@ -20,8 +21,9 @@ named! {
     /// How the object's box is determined.
     #[derive(Default)]
     pub enum BoxRule {
-        #[default] Known = "known": "Planning knows the box",
-        Grows = "grows": "Nothing is known: the box begins with the first image and grows, and the candidates move along",
+        #[default] Known = "known": "The box is known",
+        Grows = "grows": "Nothing is known: the box begins with the first image and grows, and the \
+                          candidates move with it",
     }
 }
 
@@ -41,7 +43,8 @@ named! {
     pub enum UnitName {
         M = "m": "Metres",
         Mm = "mm": "Millimetres",
-        #[default] Auto = "auto": "Judged by the longest side: up to 2 it is metres, from 20 on millimetres, in between an error",
+        #[default] Auto = "auto": "Guessed from the longest side: metres up to 2, millimetres from 20, an \
+                                   error in between",
     }
 }
 
@@ -61,7 +64,7 @@ named! {
     #[derive(Default)]
     pub enum SizeOf {
         #[default] LongestSide = "longest-side": "The longest side of its box",
-        ShortestSide = "shortest-side": "The shortest side of its box, the middle of which is moved to the origin",
+        ShortestSide = "shortest-side": "The shortest side of its box, whose middle is moved to the origin",
         Radius = "radius": "The largest distance of its surface from the surface's centroid, which is moved to the origin; candidates look there",
     }
 }
@@ -73,9 +76,9 @@ named! {
         #[default] Shell = "shell": "The paper's random shell: outside the cube of half-side 2 x size, inside the sphere of radius 4 x size",
         Sphere = "sphere": "A Fibonacci sphere of radius 3 x size",
         Hemisphere = "hemisphere": "The upper half of it, for an object on a table",
-        Tammes = "tammes": "A sphere of radius 3 x size with candidates as far apart as can be, at most 1000",
+        Tammes = "tammes": "A sphere of radius 3 x size with candidates as far apart as possible, at most 1000",
         Rings = "rings": "24 rings of latitude on a sphere of radius 3 x size",
-        Ring = "ring": "A circle of radius 3 x size, 30 degrees up: a turntable before a camera that stands still",
+        Ring = "ring": "A circle of radius 3 x size, 30 degrees up: a turntable in front of a fixed camera",
     }
 }
 

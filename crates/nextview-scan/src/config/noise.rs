@@ -31,9 +31,9 @@ named! {
     /// Errors and losses of the depth.
     #[derive(Default)]
     pub enum NoiseModel {
-        #[default] None = "none": "Nothing: every pixel measures, and exactly",
+        #[default] None = "none": "No noise: every pixel measures, and exactly",
         D435i = "d435i": "Errors and losses of the RealSense D435i, a stereo camera; [noise.depth] of a configuration changes them",
-        Sensor = "sensor": "Errors and losses of the sensor, where one is named: there, it is the default",
+        Sensor = "sensor": "Errors and losses of the sensor, which is the default if a sensor is named",
     }
 }
 

@@ -45,7 +45,7 @@ planners! {
     /// A planner by name.
     #[derive(Default)]
     pub enum PlannerName {
-        #[default] MostSurface = "most-surface": "Ours: the most surface that a learned prior expects to be newly seen",
+        #[default] MostSurface = "most-surface": "Ours: the most new surface, as expected by a learned prior",
             { section: Some("most_surface"), estimates_completeness: true, takes_second_looks: true, counts_seconds: true };
         MaxFlow = "max-flow": "The paper's: local information gain and the views of a maximum flow",
             { section: Some("max_flow") };
@@ -79,25 +79,25 @@ planners! {
             { needs_frames: true };
         RecedingHorizon = "receding-horizon": "First view of the best branch of a random tree, Bircher et al. 2016",
             { section: Some("greedy") };
-        Kaba = "kaba": "Gain less the boundary left, as weighed by reinforcement learning, Kaba et al. 2017",
+        Kaba = "kaba": "Gain minus the remaining boundary, weighted by reinforcement learning, Kaba et al. 2017",
             { section: Some("greedy") };
-        NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: the one of 14 views chosen by a network",
+        NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: one of 14 views, chosen by a network",
             { section: Some("nbv_net"), is_network: true };
-        NbvRegression = "nbv-regression": "A direction named by a network, Vasquez-Gomez et al. 2021",
+        NbvRegression = "nbv-regression": "A direction predicted by a network, Vasquez-Gomez et al. 2021",
             { is_network: true };
-        PcNbv = "pc-nbv": "PC-NBV, Zeng et al. 2020: the one of 33 views of most new surface, by a network",
+        PcNbv = "pc-nbv": "PC-NBV, Zeng et al. 2020: the one of 33 views with the most new surface, by a network",
             { is_network: true };
-        Batch = "batch": "Several views at once that together show most, and the shortest tour through them",
+        Batch = "batch": "Several views at once that together show the most, and the shortest tour through them",
             { section: Some("batch") };
-        EvenViews = "even-views": "Views from all around: the direction farthest from all taken; for reference views",
+        EvenViews = "even-views": "Views from all around: the direction farthest from all views taken; for reference views",
             {};
         Inspection = "inspection": "Knows the part's CAD model: the fewest views that show its surfaces as required",
             { needs_frames: true, needs_reference: true };
-        InOrder = "in-order": "The views in the order of their numbers: that of a recording",
+        InOrder = "in-order": "The views in the order of their numbers, such as a recording's",
             { is_in_order: true };
         Random = "random": "A random view: the baseline",
             { is_random: true };
-        Clairvoyant = "clairvoyant": "Knows the object: the upper bound, where the truth is known",
+        Clairvoyant = "clairvoyant": "Knows the object: the upper bound, if the ground truth is known",
             { needs_truth: true };
     }
 }
@@ -185,7 +185,7 @@ impl PlannerName {
             Self::Random => Box::new(RandomViews { seed }),
             Self::Clairvoyant => clairvoyant.ok_or_else(|| {
                 Fault::request("the clairvoyant planner needs the true object").with_remedy(
-                    "use it in a simulation, or name the mesh of a recorded object as `recording.truth`",
+                    "use it in a simulation, or set `recording.truth` to the mesh of a recorded object",
                 )
             })?,
         })
@@ -195,7 +195,7 @@ impl PlannerName {
 /// The fault of the planner inspection without a CAD model.
 pub(super) fn no_reference() -> Fault {
     let fault = Fault::request("the planner inspection needs the CAD model of the part");
-    fault.with_remedy("name it as `reference.mesh`")
+    fault.with_remedy("set `reference.mesh`")
 }
 
 #[cfg(feature = "simulated")]

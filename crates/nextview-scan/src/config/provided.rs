@@ -61,7 +61,9 @@ impl ProvidedPlanner {
 
     fn provider(&self) -> Result<&'static dyn PlannerProvider, Fault> {
         PROVIDER.get().map(Box::as_ref).ok_or_else(|| {
-            let fault = Fault::request(format!("the planner {self} is written in Python, which is not here"));
+            let fault = Fault::request(format!(
+                "the planner {self} is written in Python, which this program cannot run"
+            ));
             of_planner(fault).with_remedy("scan from Python: nextview.scan, nextview.Scan or nextview.bench")
         })
     }

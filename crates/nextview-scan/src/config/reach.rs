@@ -48,7 +48,7 @@ impl ReachConfig {
     /// All values out of range and all values that lack their counterpart.
     pub(crate) fn faults(&self) -> Vec<Fault> {
         if self.base_m.is_some() != self.max_radius_m.is_some() {
-            return vec![Fault::request("`reach.base_m` and `reach.max_radius_m` need each other")];
+            return vec![Fault::request("`reach.base_m` and `reach.max_radius_m` must be given together")];
         }
         if self.base_m.is_none() && self.min_radius_m != 0.0 {
             return vec![Fault::request(

@@ -41,9 +41,9 @@ impl ScanConfig {
         if left.is_empty() {
             let name = &robot.arm;
             let fault =
-                Fault::request(format!("{name} can hold the camera at none of the {n} view candidates"));
+                Fault::request(format!("{name} cannot hold the camera at any of the {n} view candidates"));
             return Err(fault.with_remedy(
-                "`robot.world_from_base` says where its base stands, in the coordinates of the object, metres",
+                "`robot.world_from_base` states where its base stands, in metres in the coordinates of the object",
             ));
         }
         let note = format!("the robot can hold the camera at {} of {n} candidates", left.len());

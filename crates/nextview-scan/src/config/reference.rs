@@ -80,7 +80,7 @@ mod known {
             let (mesh, scaling) = mesh::load(&self.mesh)?.to_metres(self.unit.into())?;
             Ok(match mesh.is_inside_out() {
                 true => {
-                    let note = "its triangles run clockwise seen from outside, and are turned over";
+                    let note = "its triangles run clockwise seen from outside, and are reversed";
                     (mesh.turned_over(), format!("{scaling}; {note}"))
                 }
                 false => (mesh, scaling.to_string()),

@@ -93,7 +93,8 @@ fn look_at(key: &str, value: &Value, faults: &mut Vec<Fault>) {
     let is_section = || declared().chain(OF_FILES).any(|declared| is_within(declared, key));
     match value {
         _ if OF_FILES.contains(&key) => {
-            let fault = Fault::request(format!("`{key}` is not for requests, for which no file is read"));
+            let fault =
+                Fault::request(format!("`{key}` cannot be set in a request: requests do not name files"));
             faults.push(Fault { key: Some(key.to_owned()), ..fault.with_remedy("leave it out") });
         }
         Value::Table(keys) if is_section() => look(key, keys, faults),

@@ -168,9 +168,9 @@ impl RobotConfig {
             (Some(base_from_camera), Some(flange_from_world)) => {
                 Ok(Mount::Object { flange_from_world, base_from_camera })
             }
-            _ => {
-                Err(Fault::request("`robot.base_from_camera` and `robot.flange_from_world` need each other"))
-            }
+            _ => Err(Fault::request(
+                "`robot.base_from_camera` and `robot.flange_from_world` must be given together",
+            )),
         }
     }
 

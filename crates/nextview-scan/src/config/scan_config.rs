@@ -296,8 +296,8 @@ impl ScanConfig {
     /// object has no table.
     pub fn first_placement(&self, results: &Path) -> Result<PathBuf, Fault> {
         if self.object_box.table == TableRule::None {
-            let fault = Fault::request("an object that stands on no table has no underside to turn up");
-            return Err(fault.with_remedy("`object_box.table` = fit has the scan find its table"));
+            let fault = Fault::request("an object without a table has no underside to turn up");
+            return Err(fault.with_remedy("`object_box.table` = fit lets the scan find its table"));
         }
         let mut dir = results.as_os_str().to_owned();
         dir.push("-placement-1");

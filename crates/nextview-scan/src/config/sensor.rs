@@ -36,8 +36,8 @@ impl ScanConfig {
     pub(super) fn of_sensor(&self) -> Option<Fault> {
         match (&self.sensor, self.noise.model) {
             (None, NoiseModel::Sensor) => {
-                let fault = Fault::request("`noise.model` = sensor needs the `sensor` whose noise it is");
-                let fault = fault.with_remedy("name one, or take `noise.model` = d435i");
+                let fault = Fault::request("`noise.model` = sensor needs a `sensor`");
+                let fault = fault.with_remedy("name one, or use `noise.model` = d435i");
                 Some(Fault { key: Some("noise.model".to_owned()), ..fault })
             }
             (Some(SensorName(name)), NoiseModel::D435i) => {
@@ -99,7 +99,7 @@ fn of_text(text: &str, file: &Path) -> Result<Camera, Faults> {
     let (positions, mut table) = Positions::read(text, Some(file))?;
     let placed = |fault| positions.place(fault, "");
     let like = table.get("like").ok_or_else(|| {
-        let message = "`like` is missing, the name of the sensor that it is like";
+        let message = "`like` is missing, expected the name of a similar sensor";
         Fault { key: Some("like".to_owned()), ..Fault::data(message) }
     });
     let like: String = like.and_then(|like| read_value("like", like)).map_err(placed)?;

@@ -88,7 +88,7 @@ impl TurntableConfig {
             faults.push(Fault::of_value("turntable.plate_radius_m", radius, expected));
         } else if camera.truncate().length() < radius && camera.z <= 0.0 {
             let fault =
-                Fault::of_value("turntable.table_from_camera", camera, "a camera beside or above the plate");
+                Fault::of_value("turntable.table_from_camera", camera, "a camera next to or above the plate");
             faults.push(fault.with_remedy("the origin is the middle of the plate, z points up, metres"));
         }
         faults

@@ -55,7 +55,7 @@ impl Overwrite {
         }
         if file.exists() && !self.replaces {
             let remedy = "choose another file, or replace this one (`force`)";
-            return Err(Fault::data("exists already").in_file(file).with_remedy(remedy));
+            return Err(Fault::data("already exists").in_file(file).with_remedy(remedy));
         }
         Ok(())
     }
@@ -72,7 +72,7 @@ impl Overwrite {
         if existing.is_empty() || self.replaces {
             return Ok(());
         }
-        let fault = Fault::data(format!("holds results already: {}", existing.join(", "))).in_file(folder);
+        let fault = Fault::data(format!("already holds results: {}", existing.join(", "))).in_file(folder);
         Err(fault.with_remedy("choose another folder (`out`), or replace them (`force`)").into())
     }
 
@@ -101,7 +101,7 @@ pub fn is_within(path: &Path, folder: &Path) -> bool {
 }
 
 fn input(file: &Path) -> Fault {
-    Fault::data("is read, and would be written over").in_file(file)
+    Fault::data("is an input, and would be overwritten").in_file(file)
 }
 
 /// Whether two paths lead to the same file.
@@ -139,7 +139,7 @@ mod tests {
         for name in ["in/mesh.ply", "in/deep/../mesh.ply", "out/hard.ply", "out/soft.ply", "linked/mesh.ply"]
         {
             let fault = keeps.check_file(&folder.join(name)).unwrap_err().to_string();
-            assert!(fault.ends_with(&format!("{name}: is read, and would be written over")), "{fault}");
+            assert!(fault.ends_with(&format!("{name}: is an input, and would be overwritten")), "{fault}");
         }
         for name in ["out/other.ply", "out/new.ply"] {
             keeps.check_file(&folder.join(name)).unwrap();

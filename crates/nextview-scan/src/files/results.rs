@@ -24,7 +24,7 @@ impl ResultFolder {
     /// the rule forbids it.
     pub fn begin(target: &Path, names: &[&str], rule: Overwrite) -> Result<Self, Faults> {
         if target.exists() && !target.is_dir() {
-            let fault = Fault::data("exists and is no folder").in_file(target);
+            let fault = Fault::data("exists and is not a folder").in_file(target);
             return Err(fault.with_remedy("choose another folder (`out`)").into());
         }
         rule.check_folder(target, names)?;
@@ -218,7 +218,7 @@ mod tests {
         fs::write(folder.join("y"), "mine").unwrap();
         for fault in [begun.publish().err(), unfinished(&folder, Overwrite::nothing()).err()] {
             let fault = fault.unwrap().to_string();
-            assert!(fault.ends_with("holds results already: y"), "{fault}");
+            assert!(fault.ends_with("already holds results: y"), "{fault}");
         }
         assert_eq!(fs::read(folder.join("y")).unwrap(), b"mine");
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);

@@ -143,7 +143,7 @@ mod tests {
         });
         assert!(fault.unwrap_err().to_string().contains("a.txt: cannot be written: no more"));
         let fault = write(&path, &Overwrite::nothing(), |w| Ok(w.write_all(b"new")?)).unwrap_err();
-        assert!(fault.to_string().ends_with("a.txt: exists already"), "{fault}");
+        assert!(fault.to_string().ends_with("a.txt: already exists"), "{fault}");
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
         fs::remove_dir_all(&folder).unwrap();

@@ -78,13 +78,13 @@ fn with_head(head: &Head, rest: &[u8]) -> Vec<u8> {
 /// The text in these bytes.
 pub(super) fn read_heading(bytes: &[u8]) -> Result<String, String> {
     let text = versioned(bytes)?;
-    String::from_utf8(text.to_vec()).map_err(|error| format!("the heading is no text: {error}"))
+    String::from_utf8(text.to_vec()).map_err(|error| format!("the heading is not text: {error}"))
 }
 
 /// The frame or the skipped view in these bytes.
 pub(super) fn read_entry(bytes: &[u8]) -> Result<JournalEntry, String> {
     let rest = versioned(bytes)?;
-    let cut = || "the entry ends within its head".to_owned();
+    let cut = || "the entry ends within its header".to_owned();
     let (length, rest) = rest.split_at_checked(4).ok_or_else(cut)?;
     let length = u32::from_le_bytes(length.try_into().expect("four bytes"));
     let (head, images) = rest.split_at_checked(length as usize).ok_or_else(cut)?;

@@ -83,7 +83,7 @@ impl fmt::Display for Damage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { at, length, problem, moved_to } = self;
         let moved_to = moved_to.display();
-        write!(f, "damaged from byte {at} on ({problem}); these {length} bytes are now in {moved_to}")
+        write!(f, "damaged from byte {at} ({problem}); the {length} bytes from there are now in {moved_to}")
     }
 }
 
@@ -91,7 +91,7 @@ impl Journal {
     /// Creates a journal, which appears as a whole. Fails if one exists.
     pub fn create(path: &Path, heading: &str) -> Result<Self, Fault> {
         if path.exists() {
-            return Err(Fault::data("exists already").in_file(path));
+            return Err(Fault::data("already exists").in_file(path));
         }
         Self::begin(path, heading).map_err(|error| Fault::from(error).while_writing(path))
     }
@@ -141,11 +141,12 @@ impl Journal {
         let found = self.whereabouts().map_err(|error| Fault::from(error).in_file(&self.path))?;
         let (problem, remedy) = match found {
             Whereabouts::There => return Ok(()),
-            Whereabouts::Replaced => ("it was replaced by another file", "put the journal of this scan back"),
+            Whereabouts::Replaced => ("it was replaced by another file", "restore the journal of this scan"),
             Whereabouts::Moved => ("it was moved, or its folder was", "move it back"),
-            Whereabouts::Removed => {
-                ("it was removed, with all frames in it", "begin the scan again, and leave its folder alone")
-            }
+            Whereabouts::Removed => (
+                "it was removed, with all frames in it",
+                "start the scan again, and do not change its folder",
+            ),
         };
         let fault = Fault::data(format!("{problem}, while the scan was under way")).in_file(&self.path);
         Err(fault.with_remedy(remedy))
@@ -240,7 +241,7 @@ impl Journal {
                 Ok(()) => return Ok(()),
             }
         }
-        Err(io::Error::other("it is open already, here or in another process"))
+        Err(io::Error::other("it is already open, here or in another process"))
     }
 }
 

@@ -33,7 +33,7 @@ pub(super) struct Found {
 /// Reads up to the first damaged entry, which must not be the heading.
 pub(super) fn read(bytes: &[u8]) -> Result<Found, Fault> {
     if !bytes.starts_with(MAGIC) {
-        return Err(Fault::data("is no journal of a scan: it does not begin with nvframes"));
+        return Err(Fault::data("is not the journal of a scan: it does not begin with nvframes"));
     }
     let mut at = MAGIC.len();
     let heading = next(bytes, at, 0).and_then(|payload| Ok((payload.len(), read_heading(payload)?)));

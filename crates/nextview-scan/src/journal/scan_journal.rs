@@ -203,7 +203,7 @@ impl Drop for ScanJournal {
 }
 
 fn being_scanned(dir: &Path) -> Fault {
-    let fault = Fault::data("is being scanned right now, here or in another process").in_file(dir);
+    let fault = Fault::data("is in use by a running scan, here or in another process").in_file(dir);
     fault.with_remedy("choose another folder (`out`), or wait until that scan is finished")
 }
 

@@ -136,8 +136,8 @@ impl LiveScan {
     /// again.
     pub fn observe(&mut self, taken: LiveFrame) -> Result<&StepRecord, Fault> {
         if self.is_closed {
-            let fault = Fault::request("the scan is finished and saved, and takes no more frames");
-            return Err(fault.with_remedy("begin another scan"));
+            let fault = Fault::request("the scan is finished and saved, and accepts no more frames");
+            return Err(fault.with_remedy("start a new scan"));
         }
         let LiveFrame { depth, world_from_camera, color, name } = taken;
         let pose = world_from_camera.map_or_else(|| self.locate(&depth), Ok)?;
@@ -158,9 +158,8 @@ impl LiveScan {
             return Ok(Some(step));
         }
         let name = frame.name.as_deref().unwrap_or_default();
-        let fault =
-            Fault::of_value("id", name, "the same content as before, or another id for another frame");
-        Err(fault.with_remedy(format!("step {} has a frame of this id with another content", step.step)))
+        let fault = Fault::of_value("id", name, "the same content as before, or a new id for a new frame");
+        Err(fault.with_remedy(format!("step {} has a frame with this id but different content", step.step)))
     }
 
     fn push(&mut self, taken: TakenFrame) -> Result<&StepRecord, Fault> {

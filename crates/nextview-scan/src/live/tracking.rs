@@ -72,11 +72,11 @@ impl LiveScan {
 
 fn lost(refused: Option<Verdict>) -> Fault {
     let why = match refused {
-        Some(Verdict::LittleOverlap) => "the image shows too little of the surface that is known",
-        Some(Verdict::Sliding) => "the surface in view is too even or too round to hold it in place",
+        Some(Verdict::LittleOverlap) => "the image shows too little of the known surface",
+        Some(Verdict::Sliding) => "the surface in view is too flat or too round to fix the pose",
         Some(_) => "the image fits the known surface only far from where the camera was",
-        None => "nothing is known of the surface yet",
+        None => "no surface is known yet",
     };
     let fault = Fault::request(format!("the camera is lost: {why}"));
-    fault.with_remedy("go back to where the last frame was taken, and come from there in small steps")
+    fault.with_remedy("move back to where the last frame was taken, and continue from there in small steps")
 }

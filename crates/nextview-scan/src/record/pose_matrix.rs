@@ -48,7 +48,7 @@ pub fn pose_of_rows(name: &str, rows: &[[f64; 4]; 4]) -> Result<Pose, Fault> {
     let determinant = rotation.determinant();
     if error.is_nan() || error > TOLERANCE {
         return Err(fault(format!(
-            "the rotation is not rigid: its rows are off unit length or right angles by {error:.3}, its \
+            "the rotation is not rigid: its rows deviate from unit length or right angles by {error:.3}, its \
              determinant is {determinant:.3}; expected a rotation within {TOLERANCE}"
         )));
     }
@@ -92,7 +92,7 @@ mod tests {
             *rows = std::array::from_fn(|i| std::array::from_fn(|j| RIGID[j][i]));
         };
         assert!(changed(&transposed).ends_with("is the matrix transposed?"));
-        assert!(changed(&|rows| rows[0][1] = -1.1).contains("not rigid: its rows are off"));
+        assert!(changed(&|rows| rows[0][1] = -1.1).contains("not rigid: its rows deviate"));
         assert!(changed(&|rows| rows[2][2] = -1.0).contains("mirrors"));
         assert!(changed(&|rows| rows[0][0] = f64::MAX).contains("not rigid"));
         assert_eq!(

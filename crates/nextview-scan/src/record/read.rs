@@ -11,7 +11,7 @@ impl ScanRecord {
         let path = dir.join("record.json");
         if !path.exists() {
             let fault = Fault::data("holds no results of a scan: there is no record.json").in_file(dir);
-            return Err(fault.with_remedy("name the folder that a scan has written (`out`)"));
+            return Err(fault.with_remedy("name the folder with the results of a scan (`out`)"));
         }
         let text = files::read_text(&path, MAX_RECORD)?;
         serde_json::from_str(&text).map_err(|error| Fault::data(error).in_file(&path))

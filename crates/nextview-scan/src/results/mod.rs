@@ -135,7 +135,7 @@ pub fn write_results(
     let model = scan.model(config.model).map_err(|fault| faults.push(fault.within("cloud and mesh"))).ok();
     let measured = model.as_ref().map_or(Measured::Nothing, Measured::Model);
     let record = scan.record(config, measured).unwrap_or_else(|fault| {
-        faults.push(fault.within("bodies beside the object"));
+        faults.push(fault.within("bodies next to the object"));
         scan.bare_record(config)
     });
     let kept = config.kept_in(folder.target());

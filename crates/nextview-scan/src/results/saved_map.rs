@@ -152,7 +152,7 @@ fn check_holds_map(octree: &Octree, lattice: &Lattice, block: &VoxelBlock) -> Re
     let centers = known(octree).flat_map(|leaf| [leaf.min, leaf.max()]).map(|key| lattice.center(key));
     let Some(Aabb { min, max }) = Aabb::around(centers) else { return Ok(()) };
     let message = format!("`box` holds none of the map's voxels, which lie from {min:.3} to {max:.3} m");
-    Err(Fault::request(message).with_remedy("state the cube that the object lies in"))
+    Err(Fault::request(message).with_remedy("set `box` to a cube around the object"))
 }
 
 /// Fails if no view is near enough to show any of the box.
@@ -164,7 +164,7 @@ fn check_near(views: &ViewSpace, bounds: &Aabb) -> Result<(), Fault> {
     let Some((view, distance)) = nearest.filter(|(_, distance)| *distance > RANGE) else { return Ok(()) };
     let Aabb { min, max } = bounds;
     let fault = Fault::data(format!(
-        "no view is within {RANGE} m, as far as the camera sees, of the box from {min:.3} to {max:.3} m: the \
+        "no view is within {RANGE} m, the camera's range, of the box from {min:.3} to {max:.3} m: the \
          nearest, view {view} (counted from 0), is {distance:.1} m away"
     ));
     Err(fault.with_remedy(match distance / 1000.0 <= RANGE {
@@ -179,17 +179,16 @@ fn block(lattice: &Lattice, bounds: &Aabb) -> Result<VoxelBlock, Fault> {
         Error::TooLarge { needed_mb, limit_mb, .. } => {
             let share = (limit_mb as f64 / needed_mb as f64).cbrt();
             let half = 0.5 * bounds.longest_side() * share;
-            let remedy =
-                format!("state a smaller cube as `box`: with half its edge up to {half:.2} m, it fits");
+            let remedy = format!("set `box` to a smaller cube: half its edge can be up to {half:.2} m");
             Fault::from(error).with_remedy(remedy)
         }
-        error => Fault::from(error).with_remedy("state another cube as `box`"),
+        error => Fault::from(error).with_remedy("set `box` to another cube"),
     })
 }
 
 /// The planning box around the occupied voxels, if in proportion to the file.
 fn suitable_box(octree: &Octree, lattice: &Lattice, map: &Path) -> Result<Aabb, Fault> {
-    let remedy = "state the cube that the object lies in as `box`";
+    let remedy = "set `box` to a cube around the object";
     let occupied = octree.leaves().filter(|leaf| leaf.log_odds > 0.0);
     let corners = occupied.flat_map(|leaf| [leaf.min, leaf.max()]);
     let bounds = Aabb::around(corners.map(|key| lattice.center(key))).ok_or_else(|| {
@@ -218,7 +217,6 @@ fn check_shows_object(snapshot: &Snapshot) -> Result<(), Fault> {
     }
     let bounds = snapshot.lattice().bounds(&snapshot.block());
     let place = format!("from {:.3} to {:.3} m", bounds.min, bounds.max);
-    let message =
-        format!("the object is outside the box that the network sees: no occupied voxel in the box {place}");
-    Err(Fault::data(message).with_remedy("state the cube that it lies in as `box`"))
+    let message = format!("the object is outside the network's box: no occupied voxel in the box {place}");
+    Err(Fault::data(message).with_remedy("set `box` to a cube around the object"))
 }

@@ -106,8 +106,10 @@ impl Arm {
                     Ok((_, path)) => Ok(path),
                     Err(NoPath::Cancelled(cancelled)) => return Err(cancelled.into()),
                     Err(NoPath::StartTouches(contact)) => {
-                        let fault = Fault::data(format!("where the arm is, {contact}"));
-                        return Err(fault.with_remedy("move it away, and state where it is as `robot.home`"));
+                        let fault = Fault::data(format!("at the arm's current position, {contact}"));
+                        return Err(
+                            fault.with_remedy("move it away, and set `robot.home` to its new position")
+                        );
                     }
                     Err(no_path) => Err(no_path.to_string()),
                 }
@@ -219,7 +221,7 @@ fn unseen_or_occupied(session: &Session, base_from_world: &Pose) -> Result<Optio
     let (lattice, block) = (snapshot.lattice(), snapshot.block());
     let corner = lattice.bounds(&block).min;
     voxels(
-        "the object, or unseen space beside it",
+        "the object, or unseen space next to it",
         base_from_world,
         corner,
         lattice.voxel_size(),
@@ -247,7 +249,7 @@ fn surface_beside(session: &Session, base_from_world: &Pose) -> Result<Option<Ob
             ((center - corner) / size).floor().as_ivec3().clamp(IVec3::ZERO, dims.as_ivec3() - 1).as_uvec3();
         blocked[(cell.x + dims.x * (cell.y + dims.y * cell.z)) as usize] = true;
     }
-    voxels("a surface beside the object", base_from_world, corner, size, dims, &blocked).map(Some)
+    voxels("a surface next to the object", base_from_world, corner, size, dims, &blocked).map(Some)
 }
 
 fn voxels(

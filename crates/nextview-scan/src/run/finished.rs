@@ -268,12 +268,13 @@ impl FinishedScan<'_> {
         let key = |key: &str| self.stated.section.map(|section| format!("`{section}.{key}`"));
         if let Some(height) = self.table().zip(first).and_then(|(table, frame)| middle_height(table, frame)) {
             let message = format!(
-                "the first frame shows no object above the table, so there is nothing to plan for; in the middle of the \
-                 image, 95 % is at most {:.1} mm above it",
+                "the first frame shows no object above the table, so there is nothing to plan for; 95 % of \
+                 the points in the middle of the image are at most {:.1} mm above it",
                 1e3 * height
             );
             let stated = key("table_z_m").map(|key| format!("; {key} states where the table is"));
-            let remedy = "`first_view` begins with another frame; a nearer view or a less noisy camera shows what is flat";
+            let remedy = "set `first_view` to begin with another frame; a closer view or a less noisy camera \
+                          shows flat objects";
             return Fault::data(message).with_remedy(format!("{remedy}{}", stated.unwrap_or_default()));
         }
         let depth = first.and_then(middle_depth).map_or_else(
@@ -283,8 +284,8 @@ impl FinishedScan<'_> {
         let stated = key("box_m").map(|key| format!(", {key} states where the object is"));
         let message = format!("the first frame shows no object, so there is nothing to plan for; {depth}");
         Fault::data(message).with_remedy(format!(
-            "`first_view` begins with another frame{}; if it is not as far away as that, state the unit of the depth \
-             images",
+            "set `first_view` to begin with another frame{}; if the object is not that far away, state the \
+             unit of the depth images",
             stated.unwrap_or_default()
         ))
     }
@@ -385,10 +386,7 @@ mod tests {
     #[test]
     fn a_scan_without_an_object_says_what_the_frame_shows() {
         let fault = of_flat(Table::AtHeight(0.0), Some("recording"));
-        assert!(
-            fault.message.ends_with("in the middle of the image, 95 % is at most 1.0 mm above it"),
-            "{fault}"
-        );
+        assert!(fault.message.ends_with("in the middle of the image are at most 1.0 mm above it"), "{fault}");
         let remedy = fault.remedy.unwrap();
         assert!(remedy.ends_with("; `recording.table_z_m` states where the table is"), "{remedy}");
         let remedy = of_flat(Table::AtHeight(0.0), None).remedy.unwrap();

@@ -259,7 +259,7 @@ impl<'a> ScanRun<'a> {
         }
         if self.replay().is_some() {
             return Err(Fault::request(
-                "frames of before the interruption are to be replayed before a view is skipped",
+                "the frames from before the interruption must be replayed before a view is skipped",
             ));
         }
         let skipped = SkippedView { view, reason: reason.to_owned(), was_decided: self.asked.is_some() };
@@ -387,7 +387,7 @@ impl<'a> ScanRun<'a> {
                 Ok(TakenFrame { frame: taken.frame, color, name })
             }
             Some(_) => {
-                let fault = Fault::request("another frame was pushed than that which is to be replayed");
+                let fault = Fault::request("the pushed frame is not the frame to be replayed");
                 Err(fault.with_remedy("ask for the next step, and push the frame that it returns unchanged"))
             }
         }
@@ -430,10 +430,11 @@ impl<'a> ScanRun<'a> {
 
     fn differs(&self, was: &str, is: &str) -> Fault {
         let n = self.scan.steps.len() + 1;
-        let fault = Fault::data(format!("frame {n} is of {was}, but {is}"));
+        let fault = Fault::data(format!("frame {n} was taken from {was}, but {is}"));
         let fault =
             self.scan.journal.as_ref().map(|journal| fault.clone().in_file(&journal.path())).unwrap_or(fault);
-        fault.with_remedy("resume a scan with the version of nextview and the files that it was begun with")
+        fault
+            .with_remedy("resume a scan with the version of nextview and the files with which it was started")
     }
 }
 

@@ -13,16 +13,18 @@ pub(super) fn warning(suspicion: &Suspicion, stated: &Stated) -> String {
             }
             None => right(*reading).to_owned(),
         },
-        Suspicion::SamePose => "the poses must be those of the frames, in one world".to_owned(),
+        Suspicion::SamePose => {
+            "each pose must belong to its frame, and all poses to one world frame".to_owned()
+        }
         Suspicion::TooNear { .. } | Suspicion::TooFar { .. } => {
             "choose views within the camera's range".to_owned()
         }
         Suspicion::Apart { .. } => "`registration.enabled` = true aligns frames to each other".to_owned(),
         Suspicion::Boundless if stated.has_table => {
-            "check the poses and where the table was found, or state the object's box".to_owned()
+            "check the poses and the table that was found, or state the object's box".to_owned()
         }
         Suspicion::Boundless => {
-            "with right poses, `object_box.table` = fit finds a table or floor; or state the object's box"
+            "with correct poses, `object_box.table` = fit finds a table or floor; or state the object's box"
                 .to_owned()
         }
         Suspicion::Elsewhere { .. } if stated.read.is_some() => {
@@ -36,7 +38,7 @@ pub(super) fn warning(suspicion: &Suspicion, stated: &Stated) -> String {
 
 /// States that the poses are wrong, with the distance in metres between surfaces, and the consequences.
 pub(super) fn poses_are_wrong(distance: f64) -> String {
-    format!("{}; from here on, all frames are aligned to each other", Suspicion::Apart { distance })
+    format!("{}; from now on, all frames are aligned to each other", Suspicion::Apart { distance })
 }
 
 /// States that alignment was given up.

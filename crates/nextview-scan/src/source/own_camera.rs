@@ -129,7 +129,7 @@ fn candidates(config: &ScanConfig, live: &LiveConfig) -> Result<Candidates, Faul
             &config.view_space.0,
             "shell, sphere, hemisphere, tammes, rings or ring",
         );
-        return Err(fault.with_remedy("`live.poses` takes candidates of one's own"));
+        return Err(fault.with_remedy("`live.poses` takes candidates of your own"));
     };
     match live.bounds() {
         Some(bounds) => Candidates::fixed(around(rule, bounds, config, live)?, config),
@@ -154,8 +154,7 @@ fn around(rule: ViewRule, bounds: Aabb, config: &ScanConfig, live: &LiveConfig) 
 /// The candidates of a rule that follow the box.
 fn following(rule: ViewRule, config: &ScanConfig, live: &LiveConfig) -> Result<Candidates, Fault> {
     let Some(first) = live.first_pose else {
-        let message =
-            "where nothing is known of the object, the pose of a view that shows some of it is needed";
+        let message = "nothing is known of the object, so the pose of a view that shows part of it is needed";
         let fault =
             Fault::request(message).with_remedy("state `live.first_pose`, `live.box_m` or `live.poses`");
         return Err(Fault { key: Some("live.first_pose".to_owned()), ..fault });

@@ -96,7 +96,7 @@ fn candidates_have_one_distance_where_a_rule_gives_them_one() {
     for (text, expected) in [
         (
             "view_distance_m = 0.3\n".to_owned(),
-            "1:1 the candidates of `view_space` = shell have no one distance",
+            "1:1 the candidates of `view_space` = shell have no common distance",
         ),
         (format!("{rule}view_distance_m = -1\n"), "2:1 `view_distance_m` is -1"),
         (
@@ -140,7 +140,7 @@ fn wrong_values_are_named() {
         ("[motion]\nacceleration_m_per_s2 = nan\n", "`motion.acceleration_m_per_s2` is NaN"),
         ("[motion]\nclearance_m = -1\n", "`motion.clearance_m` is -1, expected 0 to 1e6"),
         ("[motion]\nsensing_time_s = inf\n", "`motion.sensing_time_s` is inf"),
-        ("[reach]\nmax_radius_m = 1\n", "`reach.base_m` and `reach.max_radius_m` need each other"),
+        ("[reach]\nmax_radius_m = 1\n", "`reach.base_m` and `reach.max_radius_m` must be given together"),
         ("[reach]\nmin_radius_m = 1\n", "`reach.min_radius_m` needs `reach.base_m`"),
         ("[reach]\nbase_m = [0, 0, 0]\nmax_radius_m = -1\n", "reach: reach is 0 to -1 m, expected"),
         ("[reach]\nallowed_boxes_m = [[0, 0, 0, 1, 1, -1]]\n", "the lowest first"),
@@ -366,7 +366,7 @@ fn sensors_that_cannot_be_are_refused() {
     for (text, expected) in [
         ("sensor = \"d999\"\n", "1:1 `sensor` is d999, expected d405, "),
         ("sensor = 3\n", "1:1 `sensor` is 3, expected a string"),
-        ("[noise]\nmodel = \"sensor\"\n", "2:1 `noise.model` = sensor needs the `sensor` whose"),
+        ("[noise]\nmodel = \"sensor\"\n", "2:1 `noise.model` = sensor needs a `sensor`"),
         (
             "sensor = \"d405\"\n[noise]\nmodel = \"d435i\"\n",
             "3:1 `noise.model` = d435i is not the noise of the `sensor` d405 (leave one of them out)",

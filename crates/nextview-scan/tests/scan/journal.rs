@@ -180,16 +180,16 @@ fn one_process_at_a_time_and_none_is_replaced() {
     let path = folder.path("a.journal");
     let journal = Journal::create(&path, HEADING).unwrap();
     let error = Journal::open(&path).unwrap_err().to_string();
-    assert!(error.ends_with("a.journal: it is open already, here or in another process"), "{error}");
+    assert!(error.ends_with("a.journal: it is already open, here or in another process"), "{error}");
     let error = Journal::create(&path, HEADING).unwrap_err().to_string();
-    assert!(error.ends_with("a.journal: exists already"), "{error}");
+    assert!(error.ends_with("a.journal: already exists"), "{error}");
     drop(journal);
     assert!(Journal::open(&path).is_ok());
     let error = Journal::create(&folder.path("no/folder"), HEADING).unwrap_err().to_string();
     assert!(error.contains("no/folder: cannot be"), "{error}");
     fs::write(&path, "PNG").unwrap();
     let error = Journal::open(&path).unwrap_err().to_string();
-    assert!(error.contains("is no journal of a scan"), "{error}");
+    assert!(error.contains("is not the journal of a scan"), "{error}");
 }
 
 /// What is written to a file that nobody finds is lost.

@@ -129,7 +129,7 @@ fn an_interrupted_scan_is_resumed_with_its_colours() {
     let again = scan.scan().frame(0).unwrap().clone();
     let again = LiveFrame::new(again.image().clone(), again.world_from_camera());
     let fault = scan.observe(again).unwrap_err().to_string();
-    assert!(fault.contains("takes no more frames"), "{fault}");
+    assert!(fault.contains("accepts no more frames"), "{fault}");
 }
 
 #[test]
@@ -229,7 +229,7 @@ fn what_cannot_be_is_refused_with_its_reason() {
         assert!(faults.contains(expected), "{faults}, expected {expected}");
     };
     check(|_, live| live.box_m = Some([0.0; 6]), "`live.box_m` is [0, 0, 0] to [0, 0, 0], expected finite");
-    check(|_, live| live.box_m = None, "the pose of a view that shows some of it is needed");
+    check(|_, live| live.box_m = None, "the pose of a view that shows part of it is needed");
     check(|_, live| live.max_depth_m = f64::NAN, "`live.max_depth_m` is NaN");
     check(
         |_, live| live.box_m = Some([-100.0, -100.0, 0.0, 100.0, 100.0, 200.0]),
@@ -240,11 +240,8 @@ fn what_cannot_be_is_refused_with_its_reason() {
         "`live.min_depth_m` is 170, expected at most 20 m; is it in millimetres?",
     );
     check(|_, live| live.min_depth_m = -1.0, "`live.min_depth_m` is -1");
-    check(
-        |config, _| config.size_m = Some(0.1),
-        "`size_m` is for simulations, not for a camera of one's own",
-    );
-    check(|config, _| config.unit = UnitName::Mm, "`unit` is for simulations, not for a camera of one's own");
+    check(|config, _| config.size_m = Some(0.1), "`size_m` is for simulations, not for a camera of your own");
+    check(|config, _| config.unit = UnitName::Mm, "`unit` is for simulations, not for a camera of your own");
     check(|config, _| config.planner = PlannerName::Clairvoyant.into(), "needs the true object");
     check(|config, _| config.recording = Some(Default::default()), "frames are either recorded or come");
     check(|config, _| config.view_space.0 = "a.csv".to_owned(), "`view_space` is a.csv, expected shell");

@@ -83,7 +83,7 @@ fn a_goal_is_worth_views_and_one_out_of_reach_is_refused() {
     let message = refused(ScanConfig { planner: PlannerName::Random.into(), ..wanted });
     assert!(message.contains("takes no second looks"), "{message}");
     let message = refused(ScanConfig { goal_mm: Some(1.0), ..ScanConfig::default() });
-    assert!(message.contains("needs to know the error of the camera"), "{message}");
+    assert!(message.contains("requires a camera whose error is known"), "{message}");
 }
 
 #[test]

@@ -125,7 +125,7 @@ fn a_folder_that_is_being_scanned_is_said_to_be() {
     let begun = ScanJournal::begin(&dir, "").map(drop).unwrap_err();
     let resumed = ScanJournal::resume(&dir).map(drop).unwrap_err();
     for fault in [&begun, resumed.iter().next().unwrap()] {
-        assert!(fault.to_string().ends_with("scan: is being scanned right now, here or in another process"));
+        assert!(fault.to_string().ends_with("scan: is in use by a running scan, here or in another process"));
         assert!(!fault.remedy.as_ref().unwrap().contains("remove"), "{fault:?}");
     }
     // Of a scan that was killed before its first frame nothing is left that could be lost.
@@ -148,7 +148,7 @@ fn of_many_who_begin_a_scan_one_does() {
         let refused: Vec<String> =
             begun.iter().filter_map(|begun| Some(begun.as_ref().err()?.to_string())).collect();
         assert_eq!(refused.len(), 3, "{refused:?}");
-        assert!(refused.iter().all(|said| said.contains("is being scanned right now")), "{refused:?}");
+        assert!(refused.iter().all(|said| said.contains("is in use by a running scan")), "{refused:?}");
     }
 }
 
@@ -167,7 +167,7 @@ fn a_scan_that_is_finished_meanwhile_is_not_said_to_be_lost() {
         });
         let said = faults.iter().next().unwrap().to_string();
         // Where a thread is late, nothing was removed in between.
-        let expected = ["holds no interrupted scan", "is being scanned right now"];
+        let expected = ["holds no interrupted scan", "is in use by a running scan"];
         assert!(expected.iter().any(|part| said.contains(part)), "{said}");
     }
 }

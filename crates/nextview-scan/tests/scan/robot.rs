@@ -94,7 +94,7 @@ fn the_same_scan_after_an_interruption() {
     assert_eq!(views(&resumed), views(&whole));
 }
 
-/// Whoever moves the arm by hand pushes a frame from somewhere else: the next motion begins there.
+/// If the arm is moved by hand, the frame comes from somewhere else: the next motion begins there.
 #[test]
 fn the_arm_is_where_the_frame_was_taken() {
     let config = config();

@@ -30,7 +30,7 @@ use watched::Watched;
 
 /// The answer to connections if there is no room.
 const FULL: &str = "{\"faults\":[{\"kind\":\"request\",\"message\":\"as many clients are connected as the server has \
-                    room for\",\"remedy\":\"close connections, or ask again in a second\"}]}";
+                    room for\",\"remedy\":\"close connections, or try again in a second\"}]}";
 
 /// Serves connections until shutdown is requested, then finishes requests in progress.
 pub(crate) async fn accept(
@@ -96,8 +96,8 @@ async fn answer(
     let response = match answered {
         Ok(Ok(response)) => response,
         Err(_) => {
-            let fault = Fault::data("the server failed by a fault of its own")
-                .with_remedy("report it, with what was asked");
+            let fault = Fault::data("the server failed with an internal error")
+                .with_remedy("please report it, with the request");
             Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, fault).into_response()
         }
     };

@@ -12,18 +12,18 @@ pub(super) fn routes() -> Vec<Route> {
     vec![
         Route::new("/scans/{id}/pause").on(
             Method::Post,
-            Doc::new("Gives out no views until it is continued", Content::json::<Done>()),
+            Doc::new("Pauses the scan: it gives out no views until it is continued", Content::json::<Done>()),
             pause,
         ),
         Route::new("/scans/{id}/continue").on(
             Method::Post,
-            Doc::new("Gives out views again", Content::json::<Done>()),
+            Doc::new("Continues a paused scan", Content::json::<Done>()),
             go_on,
         ),
         Route::new("/scans/{id}/finish").on(
             Method::Post,
             Doc::new(
-                "Ends the scan and writes its results; again, it changes nothing",
+                "Ends the scan and writes its results; repeating the request changes nothing",
                 Content::json::<FinishAnswer>(),
             ),
             finish,

@@ -12,8 +12,9 @@ use std::sync::Arc;
 use tokio::sync::{OwnedSemaphorePermit, watch};
 
 pub(super) fn routes() -> Vec<Route> {
-    let summary = "What happens to a scan, as it happens: frame, view, skipped, accepted, paused, continued, finished, \
-                   deleted; pose and tracking while they are news; gap where a listener has missed some and must look anew";
+    let summary = "The events of a scan as they happen: frame, view, skipped, accepted, paused, continued, \
+                   finished, deleted; pose and tracking while they are current; gap if a listener has missed \
+                   events and must read the state again";
     vec![Route::new("/scans/{id}/events").on(
         Method::Get,
         Doc::new(summary, Content::of("text/event-stream")),
@@ -36,7 +37,7 @@ async fn events(
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Refusal> {
     let scan = app.scans.find(&id)?;
     let place = app.streams.clone().try_acquire_owned().map_err(|_| {
-        let fault = Fault::request("as many clients listen to events as the server has room for");
+        let fault = Fault::request("as many clients are listening to events as the server has room for");
         Refusal::busy(StatusCode::SERVICE_UNAVAILABLE, fault)
     })?;
     let last = headers.get("last-event-id").and_then(|id| id.to_str().ok());

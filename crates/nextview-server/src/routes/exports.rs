@@ -25,7 +25,7 @@ async fn get(
     let format = format.map_err(|fault| Refusal::new(StatusCode::NOT_FOUND, fault))?;
     let bytes = scan.with(move |work| {
         if !work.is_finished() {
-            let fault = Fault::request("results are exported when the scan is finished");
+            let fault = Fault::request("results can be exported when the scan is finished");
             return Err(Refusal::new(
                 StatusCode::CONFLICT,
                 fault.with_remedy("finish it first: `POST …/finish`"),

@@ -8,7 +8,8 @@ use nextview_scan::{Fault, RESULT_FILES, result_file};
 use std::sync::Arc;
 
 pub(super) fn routes() -> Vec<Route> {
-    let summary = "A file of the results, of a scan under way as it stands: map, cloud, mesh, report, lists";
+    let summary = "A file of the results, or of the current state of a scan under way: map, cloud, mesh, \
+                   report, lists";
     let doc = Doc::new(summary, Content::of("application/octet-stream"));
     vec![Route::new("/scans/{id}/files/{name}").on(Method::Get, doc, get)]
 }

@@ -27,10 +27,8 @@ struct FrameParts {
 
 pub(super) fn routes() -> Vec<Route> {
     let parts = Content { kind: "multipart/form-data", ..Content::json::<FrameParts>() };
-    let doc = Doc::new(
-        "Takes in a frame: it is on the disk before this is answered",
-        Content::json::<FrameAnswer>(),
-    );
+    let doc =
+        Doc::new("Adds a frame: it is on the disk before the answer is sent", Content::json::<FrameAnswer>());
     let doc = doc.with_query::<FrameQuery>().taking(parts);
     let doc = doc.taking(Content::of("image/png")).taking(Content::of("application/octet-stream"));
     vec![Route::new("/scans/{id}/frames").on(Method::Post, doc, post)]

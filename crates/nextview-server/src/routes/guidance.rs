@@ -18,8 +18,8 @@ use std::sync::Arc;
 pub(super) fn routes() -> Vec<Route> {
     let guidance = Doc::new("The way from a pose to the next view", Content::json::<GuidanceAnswer>());
     let locate = Doc::new(
-        "Finds out where an image was taken, by the surface known so far, and the way from there to the next \
-         view; the image is not taken in",
+        "Locates an image on the surface known so far, and returns the way from there to the next view; the \
+         image is not added to the scan",
         Content::json::<GuidanceAnswer>(),
     );
     let locate = locate.with_query::<FrameQuery>().taking(Content::of("multipart/form-data"));

@@ -32,18 +32,22 @@ pub(super) fn routes() -> Vec<Route> {
     vec![
         Route::new("/scans/{id}/next").on(
             Method::Get,
-            Doc::new("The next view, and why; the same until a frame comes", Content::json::<NextAnswer>())
-                .with_query::<NextQuery>(),
+            Doc::new(
+                "The next view, and the reasons for it; unchanged until a frame arrives",
+                Content::json::<NextAnswer>(),
+            )
+            .with_query::<NextQuery>(),
             next,
         ),
         Route::new("/scans/{id}/skip").on(
             Method::Post,
-            Doc::new("Never proposes a view again", Content::json::<Done>()).taking(Content::json::<Skip>()),
+            Doc::new("Excludes a view for the rest of the scan", Content::json::<Done>())
+                .taking(Content::json::<Skip>()),
             skip,
         ),
         Route::new("/scans/{id}/accept").on(
             Method::Post,
-            Doc::new("Lets the proposed view be given out", Content::json::<Done>())
+            Doc::new("Accepts the proposed view, which is then given out", Content::json::<Done>())
                 .taking(Content::json::<Accept>()),
             accept,
         ),

@@ -78,7 +78,7 @@ async fn get(
             let step_idx = step_idx(work, step)?;
             picture.of_scan(work.under_way()?.0, step_idx)?
         };
-        png.ok_or_else(|| Refusal::of(StatusCode::NOT_FOUND, "the frame of this step came without colours"))
+        png.ok_or_else(|| Refusal::of(StatusCode::NOT_FOUND, "the frame of this step has no colours"))
     });
     Ok(([(header::CONTENT_TYPE, "image/png")], png.await?).into_response())
 }

@@ -108,7 +108,7 @@ fn too_much(config: &ScanConfig, limits: &Limits) -> Vec<Fault> {
     let mut faults = Vec::new();
     if config.live.is_none() {
         let fault =
-            Fault::request("`live` is missing, which says where the object is and what the camera measures");
+            Fault::request("`live` is missing: it states where the object is and what the camera measures");
         let fault = fault.with_remedy("state `live.box_m`, or `live.first_pose`");
         faults.push(Fault { key: Some("live".to_owned()), ..fault });
     }

@@ -37,8 +37,9 @@ impl ScansFolder {
             }
             Err(TryLockError::Error(error)) => Err(Fault::from(error).while_writing(&file)),
             Err(TryLockError::WouldBlock) => {
-                let fault = Fault::data("is served by another server already").in_file(dir);
-                Err(fault.with_remedy("send requests to that one, end it, or serve another folder (`dir`)"))
+                let fault = Fault::data("is already served by another server").in_file(dir);
+                Err(fault
+                    .with_remedy("send requests to that server, stop it, or serve another folder (`dir`)"))
             }
         }
     }

@@ -66,8 +66,8 @@ pub(super) fn keep(scan: &LiveScan, dir: &Path) -> Result<(), Fault> {
 /// Reads the scene of a scan that was [kept](keep).
 pub(crate) fn scene(dir: &Path) -> Result<Vec<u8>, Refusal> {
     read(dir, SCENE)?.ok_or_else(|| {
-        let fault = Fault::request("the scan was finished by a server that kept no scene");
-        Refusal::new(StatusCode::CONFLICT, fault.with_remedy("ask for its files: `report.html` shows it"))
+        let fault = Fault::request("the scan was finished by a server that stored no scene");
+        Refusal::new(StatusCode::CONFLICT, fault.with_remedy("download its files: `report.html` shows it"))
     })
 }
 

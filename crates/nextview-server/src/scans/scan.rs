@@ -77,7 +77,7 @@ impl Scan {
         job: impl FnOnce(&mut Work) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
         let place = self.queue.clone().try_acquire_owned().map_err(|_| {
-            let fault = Fault::request("too many requests to this scan wait already");
+            let fault = Fault::request("too many requests to this scan are already waiting");
             Refusal::busy(StatusCode::TOO_MANY_REQUESTS, fault)
         })?;
         let scan = self.clone();
@@ -153,9 +153,8 @@ impl Scan {
 }
 
 fn panicked() -> Refusal {
-    let fault =
-        Fault::data("the server failed by a fault of its own; the scan is as it was before, on the disk");
-    Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, fault.with_remedy("report it, with what was asked"))
+    let fault = Fault::data("the server failed with an internal error; the scan on the disk is unchanged");
+    Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, fault.with_remedy("please report it, with the request"))
 }
 
 #[cfg(test)]

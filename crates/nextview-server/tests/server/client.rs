@@ -49,7 +49,7 @@ impl Client {
         Ok(Self { address, stream: BufReader::new(stream), headers: String::new() })
     }
 
-    /// The same with these lines in every head.
+    /// Adds these lines to every head.
     pub fn with_headers(self, headers: &str) -> Self {
         Self { headers: headers.to_owned(), ..self }
     }

@@ -25,7 +25,7 @@ fn a_folder_has_one_server() {
     std::os::unix::fs::symlink(&dir, &linked).unwrap();
     for same in [&dir, &linked, &folder.path("scans/../scans")] {
         let said = Server::refused(same);
-        assert!(said.contains("is served by another server already"), "{said}");
+        assert!(said.contains("is already served by another server"), "{said}");
     }
     assert!(remnant.exists(), "only the server of a folder cleans it up");
     let said = Server::refused(&dir.join("mug"));
@@ -79,7 +79,7 @@ fn a_scan_that_another_process_finished_is_not_begun_again() {
     let server = Server::start(&dir);
     let mut client = server.client();
     let answer = client.get("/scans/mug/next");
-    assert!(answer.message().contains("is being scanned right now"), "{answer:?}");
+    assert!(answer.message().contains("is in use by a running scan"), "{answer:?}");
     scan.end();
     let mut results = begin_results(&place, Overwrite::results()).unwrap();
     scan.write_results(&mut results).unwrap();

@@ -14,7 +14,7 @@ fn a_camera_in_a_hand_is_located_and_guided() {
         client.send("POST", path, "image/png", image).unwrap()
     };
 
-    // Whoever does not say that poses are tracked is told how.
+    // A client that does not state that poses are tracked is told how.
     client.post("/scans", &body).expect(201);
     let first = client.get("/scans/mug/next").expect(200)["view"]["world_from_camera"].clone();
     let image = png(robot.frame(&first, true).image());

@@ -22,12 +22,12 @@ impl Robot {
         Self::with_noise(n_views, width, NoiseModel::D435i)
     }
 
-    /// The same with a camera that makes no errors.
+    /// A robot whose camera makes no errors.
     pub fn exact(n_views: usize, width: u32) -> Self {
         Self::with_noise(n_views, width, NoiseModel::None)
     }
 
-    /// The same with the mug on a table.
+    /// A robot whose mug stands on a table.
     pub fn on_table(n_views: usize, width: u32) -> Self {
         let mut config = Self::exact(n_views, width).config;
         config.object_box.table = TableRule::Known;
@@ -35,7 +35,7 @@ impl Robot {
         Self { config, object }
     }
 
-    /// The same with the mug turned as the results in a folder ask for.
+    /// A robot whose mug is turned as the results in a folder request.
     pub fn turned(&self, results: PathBuf) -> Self {
         let config = self.config.clone().going_on_after(results);
         let object = SimulatedObject::new(&config).unwrap();

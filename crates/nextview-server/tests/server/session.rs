@@ -68,8 +68,8 @@ fn a_server_without_room_takes_neither_scans_nor_frames() {
     let robot = Robot::new(3, 160);
     Server::start(&dir).client().post("/scans", &robot.body("mug")).expect(201);
     for (what, message, remedy) in [
-        ("disk", "MB of the server's disk are free", "make room on the server's disk"),
-        ("memory", "MB of memory, its limit is 0 MB", "finish or delete scans"),
+        ("disk", "MB free, but", "free space on the server's disk"),
+        ("memory", "MB of memory, and its limit is 0 MB", "finish or delete scans"),
     ] {
         let server = Server::full(&dir, what);
         let mut client = server.client();

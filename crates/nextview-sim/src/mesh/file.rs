@@ -125,7 +125,7 @@ impl Files<'_> {
         if read.iter().any(|(other, _)| *other == whole) {
             return Err(SimError::format(
                 "uri",
-                "names a file that was read already, expected each file once",
+                "names a file that was already read, expected each file once",
             ));
         }
         let bytes = std::fs::read(path)?;
@@ -143,7 +143,7 @@ impl Files<'_> {
         if relative.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir)) {
             return Err(SimError::format(
                 "uri",
-                "leads out of the file's folder, expected a file beside the mesh",
+                "leads outside the mesh's folder, expected a file next to the mesh",
             ));
         }
         self.read(&self.mesh.with_file_name("").join(relative))

@@ -57,7 +57,7 @@ fn decode(bytes: &[u8], max_pixels: u64) -> Result<ColorImage, String> {
 type Decoded = ([u32; 2], usize, Vec<u8>);
 
 fn decode_png(bytes: &[u8], max_pixels: u64) -> Result<Decoded, String> {
-    let broken = |error: png::DecodingError| format!("is no whole PNG or JPEG image: {error}");
+    let broken = |error: png::DecodingError| format!("is not a complete PNG or JPEG image: {error}");
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(Transformations::normalize_to_color8());
     decoder.set_ignore_text_chunk(true);
@@ -79,10 +79,10 @@ fn decode_png(bytes: &[u8], max_pixels: u64) -> Result<Decoded, String> {
 }
 
 fn decode_jpeg(bytes: &[u8], max_pixels: u64) -> Result<Decoded, String> {
-    let broken = |error: jpeg_decoder::Error| format!("is no whole JPEG image: {error}");
+    let broken = |error: jpeg_decoder::Error| format!("is not a complete JPEG image: {error}");
     let mut decoder = jpeg_decoder::Decoder::new(bytes);
     decoder.read_info().map_err(broken)?;
-    let info = decoder.info().ok_or("is a JPEG image without a head")?;
+    let info = decoder.info().ok_or("is a JPEG image without a header")?;
     let size = [info.width.into(), info.height.into()];
     check_size(size, max_pixels)?;
     let channels = match info.pixel_format {

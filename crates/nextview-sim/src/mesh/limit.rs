@@ -24,9 +24,9 @@ pub(super) fn check(n_vertices: usize, n_triangles: usize, n_bytes: u64) -> Resu
     }
     let [needed_mb, limit_mb] = [needed, limit].map(|bytes| bytes.div_ceil(1_000_000));
     let problem = format!(
-        "{n_vertices} vertices and {n_triangles} triangles in {n_bytes} bytes take {needed_mb} MB, more than the \
-         limit of {limit_mb} MB: 100 MB and 20 times the file; repeated parts count each time, so that the same mesh \
-         without repetition, or a coarser one, may be within it"
+        "{n_vertices} vertices and {n_triangles} triangles in {n_bytes} bytes take {needed_mb} MB, more than \
+         the limit of {limit_mb} MB, which is 100 MB and 20 times the file; repeated parts count each time, \
+         so the same mesh without repetition, or a coarser one, may fit"
     );
     Err(SimError::format("mesh", problem))
 }

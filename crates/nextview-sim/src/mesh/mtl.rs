@@ -46,9 +46,7 @@ fn image(
 ) -> Result<nextview::sensor::ColorImage, SimError> {
     let name = line.rest().replace('\\', "/");
     if name.starts_with('-') || name.is_empty() {
-        return Err(
-            line.error(format!("{name:?} is an option or nothing, expected the name of an image alone"))
-        );
+        return Err(line.error(format!("{name:?} is an option or empty, expected only the name of an image")));
     }
     images.get(&name, || resolve(&name)).map_err(|error| line.error(error.to_string()))
 }
@@ -87,7 +85,7 @@ mod tests {
         assert!(
             error("newmtl a\nmap_Kd x.png").starts_with("line 2: texture \"x.png\": is not a regular file")
         );
-        assert!(error("newmtl a\nmap_Kd -s 1 1 1 x.png").contains("expected the name of an image alone"));
+        assert!(error("newmtl a\nmap_Kd -s 1 1 1 x.png").contains("expected only the name of an image"));
         assert!(error("newmtl a\nmap_Kd").contains("expected the name"));
     }
 }

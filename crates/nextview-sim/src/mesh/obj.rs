@@ -82,8 +82,8 @@ impl Obj {
         let material = self.material.and_then(|material| self.materials.get(material as usize));
         match material {
             Some((name, Material { image: Some(_), .. })) => Err(line.error(format!(
-                "the corner {:?} has no texture coordinates, expected some such as 1/1, since material {name:?} has \
-                 an image",
+                "the corner {:?} has no texture coordinates, expected some, such as 1/1, because material \
+                 {name:?} has an image",
                 shown(word)
             ))),
             _ => Ok([0.0; 2]),
@@ -114,7 +114,9 @@ impl Obj {
         let found = self.materials.iter().position(|(other, _)| *other == name);
         if found.is_none() && !self.materials.is_empty() {
             let known: Vec<&str> = self.materials.iter().take(9).map(|(name, _)| name.as_str()).collect();
-            return Err(line.error(format!("{name:?} is no material of the libraries, which have {known:?}")));
+            return Err(
+                line.error(format!("{name:?} is not a material of the libraries, which have {known:?}"))
+            );
         }
         self.material = found.map(|index| index as u32);
         Ok(())
@@ -184,7 +186,7 @@ mod tests {
         assert!(error("vt x").contains("line 13: \"x\" is not a texture coordinate"));
         assert!(error("f 1/3 2/1 3/1").contains("refers to texture coordinates 3, but 2"));
         assert!(
-            error("usemtl blue").contains("\"blue\" is no material of the libraries, which have [\"red\"")
+            error("usemtl blue").contains("\"blue\" is not a material of the libraries, which have [\"red\"")
         );
         assert!(error("mtllib c.mtl").starts_with("line 13: \"c.mtl\": is not a regular file"));
         assert!(error("v 1 2 3 4 5 6").contains("a colour is 4, expected 0 to 1"));

@@ -8,8 +8,7 @@ use nextview::text::plain;
 pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
     let text = plain(bytes)?;
     let mut lines = lines(&text, 1);
-    let end =
-        || SimError::format("end of the file", "the file ends before all vertices and faces are listed");
+    let end = || SimError::format("end of the file", "not all vertices and faces are listed");
     let mut header = lines.next().ok_or_else(end)?.without_prefix(&[b"OFF", b"COFF", b"NOFF", b"CNOFF"]);
     match header.words().first() {
         None => header = lines.next().ok_or_else(end)?,

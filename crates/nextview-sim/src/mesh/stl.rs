@@ -23,13 +23,13 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
         parse_text(bytes)
     } else if bytes.len() < HEADER {
         let problem = format!(
-            "has {} bytes, too short for an STL: binary ones have at least {HEADER}, texts begin with solid",
-            bytes.len()
+            "the file ends, too short for an STL: binary ones have at least {HEADER} bytes, texts begin with solid"
         );
-        Err(SimError::format("the file", problem))
+        Err(SimError::format(format!("byte {}", bytes.len()), problem))
     } else {
         let problem = format!(
-            "states {n_stated} triangles, which take {expected} bytes, but the file has {}; it is truncated or no STL",
+            "states {n_stated} triangles, which take {expected} bytes, but the file has {}; it is truncated \
+             or not STL",
             bytes.len()
         );
         Err(SimError::format("byte 80", problem))
@@ -71,7 +71,7 @@ fn parse_text(bytes: &[u8]) -> Result<RawMesh, SimError> {
             b"solid" => is_complete = false,
             b"facet" | b"outer" | b"endfacet" => {}
             _ => {
-                let problem = format!("{:?} is no word of STL", shown(line.keyword()));
+                let problem = format!("{:?} is not a word of STL", shown(line.keyword()));
                 return Err(line.error(problem));
             }
         }
@@ -142,9 +142,9 @@ mod tests {
         assert!(error(b"solid a\nvertex 1 2").starts_with("line 2: has 3 words"));
         assert_eq!(
             error(b"hello\n"),
-            "the file: has 6 bytes, too short for an STL: binary ones have at least 84, texts begin with solid"
+            "byte 6: the file ends, too short for an STL: binary ones have at least 84 bytes, texts begin with solid"
         );
-        assert!(error(b"").contains("has 0 bytes, too short"));
+        assert!(error(b"").contains("byte 0: the file ends, too short"));
         let mut absurd = binary(b"x");
         absurd[80..84].fill(0xFF);
         assert!(error(&absurd).contains("4294967295 triangles"));

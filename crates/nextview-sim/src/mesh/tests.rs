@@ -144,8 +144,8 @@ fn tells_files_that_cannot_be_loaded_apart() {
     check(folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nf 1 2 2\nf 1 2\n"), "(2 degenerate faces)");
     check(folder.write("nan.obj", OBJ.replace("0.2", "nan")), "vertex 2 (counted from 0) is [0, NaN, 0]");
     check(folder.write("far.obj", OBJ.replace("0.2", "1e31")), "vertex 2");
-    check(folder.write("outside.gltf", GLTF.replace("my%20", "..%2Fmy")), "leads out of the file's folder");
-    check(folder.write("absolute.gltf", GLTF.replace("my%20data.bin", "/etc/hosts")), "leads out");
+    check(folder.write("outside.gltf", GLTF.replace("my%20", "..%2Fmy")), "leads outside the mesh's folder");
+    check(folder.write("absolute.gltf", GLTF.replace("my%20data.bin", "/etc/hosts")), "leads outside");
     check(folder.write("alone.gltf", GLTF), "buffers[0]: \"my%20data.bin\": cannot be read");
 }
 

@@ -174,7 +174,7 @@ fn all_frames_together_lie_where_the_given_poses_say_on_average() {
         by_all += off(&realigned, &truths).length();
     }
     println!(
-        "the frames lie {:.1} mm beside the truth by the first, {:.1} mm by all, turned by {:.2} degrees",
+        "the frames lie {:.1} mm off the ground truth by the first, {:.1} mm by all, turned by {:.2} degrees",
         by_first * 125.0,
         by_all * 125.0,
         turned.to_degrees() / 8.0

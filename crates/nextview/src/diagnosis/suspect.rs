@@ -197,25 +197,27 @@ impl fmt::Display for Suspicion {
             format!("{} to {} m", corner(min), corner(max))
         };
         match self {
-            Self::Misread(reading) => write!(f, "{reading}: read so, the frames would fit"),
+            Self::Misread(reading) => write!(f, "{reading}: with that corrected, the frames would fit"),
             Self::SamePose => {
                 f.write_str("all frames claim the same pose, although they show different things")
             }
             Self::TooNear { distance, least } => write!(
                 f,
-                "the camera is too near: {distance:.3} m from the object's box, and it measures from {least} m on"
+                "the camera is too near: {distance:.3} m from the object's box, but it measures only from {least} m"
             ),
             Self::TooFar { distance, largest } => write!(
                 f,
-                "the camera is too far away: {distance:.3} m from the object's box, and it measures up to {largest} m"
+                "the camera is too far away: {distance:.3} m from the object's box, but it measures only up \
+                 to {largest} m"
             ),
             Self::Apart { distance } => write!(
                 f,
-                "the poses do not agree with the frames: the same surface is some {:.1} mm apart in them",
+                "the poses do not agree with the frames: they show the same surface about {:.1} mm apart",
                 distance * 1e3
             ),
             Self::Boundless => f.write_str(
-                "what is connected to the object needs more memory than allowed: a table, floor or wall is part of it",
+                "the surface connected to the object needs more memory than allowed: it includes a table, \
+                 floor or wall",
             ),
             Self::NothingMeasured { measured } => write!(
                 f,

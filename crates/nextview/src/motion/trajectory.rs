@@ -83,7 +83,7 @@ impl Trajectory {
         let increase = waypoints.windows(2).all(|pair| pair[0].time < pair[1].time);
         if starts != Some(0.0) || !increase || !waypoints.iter().all(|point| point.time.is_finite()) {
             let times: Vec<f64> = waypoints.iter().map(|point| point.time).collect();
-            return Err(Error::invalid("times", format!("{times:?}"), "0 first, and each above the last"));
+            return Err(Error::invalid("times", format!("{times:?}"), "0 first, then increasing"));
         }
         let position = |point: &Waypoint| point.world_from_camera.translation();
         let length = waypoints.windows(2).map(|pair| position(&pair[0]).distance(position(&pair[1]))).sum();

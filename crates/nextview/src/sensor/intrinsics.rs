@@ -65,7 +65,7 @@ impl Intrinsics {
         let most = f64::from(MAX_SIZE);
         let centers = centers.filter(|(_, at, size)| !(-most..=most + f64::from(*size)).contains(at));
         let centers = centers.map(|(name, at, _)| {
-            Error::invalid(name, format!("{at:?}"), "a pixel, at most 32768 beside the image")
+            Error::invalid(name, format!("{at:?}"), "a pixel, at most 32768 outside the image")
         });
         sizes.chain(focals).chain(centers).collect()
     }

@@ -24,8 +24,8 @@ pub(super) fn read(reader: impl Read, target: DVec3) -> Result<Vec<Pose>, Error>
     let mut bytes = Vec::new();
     reader.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > MAX_BYTES {
-        let problem = format!("has more than {MAX_BYTES} bytes, expected the numbers of poses");
-        return Err(Error::Format { place: "the file".to_owned(), problem });
+        let problem = format!("the file goes on, expected at most {MAX_BYTES} bytes");
+        return Err(Error::Format { place: format!("byte {MAX_BYTES}"), problem });
     }
     for (i, row) in text::utf8(bytes)?.lines().enumerate() {
         let problem = |problem: String| Error::Format { place: format!("line {}", i + 1), problem };

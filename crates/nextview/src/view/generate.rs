@@ -42,7 +42,7 @@ pub fn tammes(center: DVec3, radius: f64, n: usize) -> Result<ViewSpace, Error> 
         return Err(Error::invalid(
             "number of view candidates",
             n,
-            "at most 1000 that are as far apart as can be",
+            "at most 1000 that are as far apart as possible",
         ));
     }
     on_sphere(center, radius, n, sphere::tammes)

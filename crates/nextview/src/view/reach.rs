@@ -60,7 +60,11 @@ impl Reachability for Reach {
             }
             if !(min_radius >= 0.0 && min_radius < max_radius && max_radius.is_finite()) {
                 let radii = format!("{min_radius} to {max_radius} m");
-                return Err(Error::invalid("reach", radii, "from 0 or more to more than that, finite"));
+                return Err(Error::invalid(
+                    "reach",
+                    radii,
+                    "finite and at least 0, the first below the second",
+                ));
             }
         }
         let is_box = |Aabb { min, max }: &Aabb| min.is_finite() && max.is_finite() && min.cmple(*max).all();

@@ -19,11 +19,11 @@ use std::path::PathBuf;
 /// the depth images. Because the true object is known, the scan is measured: against random views (skill 0)
 /// and against a clairvoyant planner that knows the object (skill 1).
 ///
-/// Every frame is on the disk before it counts: --resume resumes a scan after any interruption.
+/// Every frame is saved to disk before it counts: --resume resumes a scan after any interruption.
 ///
-/// With --frames, recorded depth images take the camera's place: the candidates are the recorded poses, and
-/// the box grows from the first image on unless --box-m states it. The scan is measured if --truth names the
-/// true object's mesh.
+/// With --frames, recorded depth images replace the camera: the candidates are the recorded poses, and the
+/// box grows from the first image unless --box-m states it. The scan is measured if --truth names the true
+/// object's mesh.
 #[derive(Debug, Default, PartialEq, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ScanArgs {
@@ -43,36 +43,37 @@ pub struct ScanArgs {
     /// Penalty on long moves, 0 to 1: the weight of the movement cost, the paper's theta [default: 0]
     #[arg(long, value_name = "T", value_parser = values::share, allow_negative_numbers = true)]
     theta: Option<f64>,
-    /// Take the view of most surface per second of moving there and measuring, instead of per view; only
-    /// most-surface can
+    /// Choose the view with the most surface per second of moving and measuring, instead of per view; only
+    /// for most-surface
     #[arg(long, conflicts_with = "theta")]
     per_second: bool,
     /// Maximum number of views [default: 10, or all candidates if there are fewer]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     views: Option<usize>,
-    /// Stop when the planner estimates that this share, 0 to 1, of the surface that can be seen has been seen
+    /// Stop when the planner estimates that this share, 0 to 1, of the visible surface has been seen
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
     complete: Option<f64>,
-    /// Results of a scan of the same object, which has been turned since: its frames come into map and model
-    /// as soon as the turn is found. In a simulation, the object is turned as those results request
+    /// Results of an earlier scan of the same object, which has been turned since: its frames are added to
+    /// map and model as soon as the turn is found. In a simulation, the object is turned as those results
+    /// request
     #[arg(long, value_name = "DIR", value_parser = values::file_name(), conflicts_with = "flips")]
     after: Option<String>,
     /// How often to turn the object once everything visible in its current position has been seen: 0 or 1.
-    /// The scan before the turn is left in OUT-placement-1 [default: 0]
+    /// The scan before the turn is saved in OUT-placement-1 [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=1), conflicts_with = "frames")]
     flips: Option<u8>,
     /// Maximum length of the path through the views, in metres
     #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
     max_path_m: Option<f64>,
-    /// Stop after this time, in seconds, once the view under way is done; the result then depends on the
-    /// speed of the machine
+    /// Stop after this time, in seconds, when the current view is done; the result then depends on the speed
+    /// of the machine
     #[arg(long, value_name = "S", value_parser = values::not_negative, allow_negative_numbers = true)]
     max_time_s: Option<f64>,
     /// Number of view candidates [default: 1000; profile paper: 5000]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     candidates: Option<usize>,
-    /// Number of the candidate to begin with, from 0; with --frames, its place among the frames that are not
-    /// left out, whatever numbers they have [default: 0]
+    /// Number of the first view among the candidates, from 0; with --frames, its index among the usable
+    /// frames, regardless of their numbers [default: 0]
     #[arg(long, value_name = "I", value_parser = values::count, allow_negative_numbers = true)]
     first_view: Option<usize>,
     /// Edge of a voxel in metres [default: about a fortieth of the object, 0.005 for recordings whose box
@@ -100,34 +101,35 @@ pub struct ScanArgs {
     /// Errors and losses of the camera's depth [default: none, or those of --sensor]
     #[arg(long, value_parser = named::<NoiseModel>())]
     noise: Option<NoiseModel>,
-    /// Standard deviation of the position that each image claims, along each axis, in millimetres [default:
-    /// 0]
+    /// Standard deviation of the position error of each image's pose, along each axis, in millimetres
+    /// [default: 0]
     #[arg(long, value_name = "MM", value_parser = values::not_negative, allow_negative_numbers = true)]
     pose_error_mm: Option<f64>,
-    /// Standard deviation of the rotation that each image claims, about each axis, in degrees [default: 0]
+    /// Standard deviation of the rotation error of each image's pose, about each axis, in degrees [default:
+    /// 0]
     #[arg(long, value_name = "DEG", value_parser = values::not_negative, allow_negative_numbers = true)]
     pose_error_deg: Option<f64>,
-    /// Whether each image is aligned to what was measured before, which corrects wrong poses; with auto, as
+    /// Whether to align each image to the surface measured before, which corrects wrong poses; with auto, as
     /// soon as the poses disagree [default: auto with --frames, else off]
     #[arg(long, value_parser = ["on", "off", "auto"], value_name = "on|off|auto", hide_possible_values = true)]
     register: Option<String>,
-    /// Least share, 0 to 1, of known surface in what the next view shows, so that its image can be aligned
-    /// [default: 0.5 with registration, else 0]
+    /// Minimum share, 0 to 1, of known surface in the next view, so that its image can be aligned [default:
+    /// 0.5 with registration, else 0]
     #[arg(long, value_name = "SHARE", value_parser = values::share, allow_negative_numbers = true)]
     min_overlap: Option<f64>,
-    /// Required accuracy of the surface: its expected error, a standard deviation in millimetres; views are
-    /// spent on second looks until then [default: no second looks]
+    /// Required accuracy of the surface: its expected error, a standard deviation in millimetres; until it is
+    /// reached, views are spent on second looks [default: no second looks]
     #[arg(long, value_name = "MM", value_parser = values::positive, allow_negative_numbers = true)]
     goal_mm: Option<f64>,
-    /// Required number of looks at each part of the surface; views are spent on second looks until then
-    /// [default: no second looks]
+    /// Required number of looks at each part of the surface; until it is reached, views are spent on second
+    /// looks [default: no second looks]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     looks: Option<usize>,
-    /// The CAD model of the part, which the planner inspection needs
+    /// CAD model of the part, for the planner inspection
     #[arg(long, value_name = "MESH", value_parser = values::file_name())]
     reference: Option<String>,
-    /// Whether the mesh is closed where nothing was measured, for 3D printing, and marks these vertices in
-    /// its column `filled` [default: off]
+    /// Whether to close the mesh where nothing was measured, for 3D printing; its column `filled` marks these
+    /// vertices [default: off]
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
     watertight: Option<Switch>,
     /// View candidates: shell (the paper's), sphere, hemisphere, ring (a turntable), or a CSV file of poses
@@ -151,22 +153,21 @@ pub struct ScanArgs {
     /// Scale the object so that its longest side has this length in metres
     #[arg(long, value_name = "M", value_parser = values::positive, allow_negative_numbers = true)]
     size_m: Option<f64>,
-    /// Whether to compute the random and clairvoyant curves and the skill, where the truth is known [default:
-    /// on]
+    /// Whether to compute the random and clairvoyant curves and the skill, if the ground truth is known
+    /// [default: on]
     #[arg(long, value_enum, value_name = "on|off", hide_possible_values = true)]
     baselines: Option<Switch>,
     /// Configuration to start from, such as the config.toml of an earlier scan; options given here override
     /// it
     #[arg(long, value_name = "FILE.toml")]
     config: Option<PathBuf>,
-    /// Folder for the results [default: scan-OBJECT-PLANNER, followed by -2, -3, ... where that holds
-    /// results]
+    /// Folder for the results [default: scan-OBJECT-PLANNER, followed by -2, -3, ... if that holds results]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replace results that the folder holds; files that the scan reads are never replaced
+    /// Replace existing results in the folder; the scan's input files are never replaced
     #[arg(long)]
     force: bool,
-    /// Resume the interrupted scan in this folder; of the other options only --json can be given with it
+    /// Resume the interrupted scan in this folder; only --json can be combined with it
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
     /// Print one JSON object instead of text
@@ -178,14 +179,14 @@ pub struct ScanArgs {
 #[derive(Debug, Default, PartialEq, Args)]
 struct RobotArgs {
     /// Arm that holds the camera: ur3e, ur5e, ur10e, kr6_r900, lr_mate_200id, panda, or a URDF file; only
-    /// views that it reaches without touching anything are taken [default: none]
+    /// views that it reaches without collision are taken [default: none]
     #[arg(long = "robot", value_name = "NAME|URDF", value_parser = values::file_name())]
     arm: Option<String>,
     /// With --robot: where its base stands, upright, in metres [default: 0,0,0]
     #[arg(long = "robot-base", value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
     base: Option<DVec3>,
-    /// With --robot: file of the 4 x 4 matrix, row by row and in metres, that takes points of the camera to
-    /// the flange [default: no offset]
+    /// With --robot: file with the 4 x 4 matrix, row by row and in metres, that transforms points from the
+    /// camera to the flange [default: no offset]
     #[arg(long, value_name = "FILE")]
     hand_eye: Option<PathBuf>,
 }
@@ -204,19 +205,19 @@ struct RecordingArgs {
     /// world-from-camera]
     #[arg(long, value_name = "DIRECTION", value_parser = values::word::<PoseDirection>)]
     poses: Option<PoseDirection>,
-    /// With --frames: the box around the object, in metres, by its lowest and its highest corner [default: it
+    /// With --frames: the box around the object, in metres, as its lowest and its highest corner [default: it
     /// grows]
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = values::corners, allow_hyphen_values = true)]
     box_m: Option<[f64; 6]>,
-    /// With --frames: height of the table that the object stands on, z in metres; what is below it, or less
-    /// than 2 mm above, is not the object [default: no table]
+    /// With --frames: height of the table that the object stands on, z in metres; anything below it, or less
+    /// than 2 mm above it, does not belong to the object [default: no table]
     #[arg(long, value_name = "Z", value_parser = values::number, allow_negative_numbers = true)]
     table_z_m: Option<f64>,
-    /// With --frames: mesh of the true object, to measure the scan by
+    /// With --frames: mesh of the true object, to evaluate the scan
     #[arg(long, value_name = "MESH", value_parser = values::file_name())]
     truth: Option<String>,
-    /// With --truth: file of the 4 x 4 matrix, row by row and in metres, that takes points of the recording
-    /// to the mesh
+    /// With --truth: file with the 4 x 4 matrix, row by row and in metres, that transforms points from the
+    /// recording to the mesh
     #[arg(long, value_name = "FILE", value_parser = values::file_name())]
     truth_from_world: Option<String>,
 }
@@ -230,7 +231,7 @@ Examples:
   nextview scan --frames recorded/ --truth part.stl         recorded frames, measured
   nextview scan --resume part                               resume after an interruption
 
-The folder holds config.toml (everything that decides the scan), record.json (all measures),
+The folder holds config.toml (everything that determines the scan), record.json (all measures),
 steps.jsonl (a line per view), views.csv (poses), waypoints.csv (trajectories between them), map.ot
 and map.bt (OctoMap), cloud.ply, mesh.ply and report.html.";
 
@@ -249,7 +250,7 @@ impl ScanArgs {
                 let alone = Self { resume: self.resume.clone(), json: self.json, ..Self::default() };
                 if self != alone {
                     return Err(Failure::usage(
-                        "--resume resumes a scan as it was begun; leave out all else but --json",
+                        "--resume continues a scan with its own settings; only --json can be combined with it",
                     ));
                 }
                 // The folder belonged to the scan when it began.

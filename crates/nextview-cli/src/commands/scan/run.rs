@@ -42,7 +42,7 @@ pub(super) fn begin_and_turn(config: ScanConfig, output: Output) -> Result<(), F
     let (text, record) = scan(config.clone(), None, &first)?;
     if record.next_placement.is_none() {
         let dir = first.dir.display();
-        eprintln!("note: in no other placement could much more be seen: the results in {dir} are all");
+        eprintln!("note: no other placement would show much more: the results in {dir} are complete");
         return stdout::print(text);
     }
     if !output.json {
@@ -59,7 +59,7 @@ pub(super) fn resume(output: Output) -> Result<(), Failure> {
     if let Some(damage) = damage {
         eprintln!("note: {}: {damage}", path.display());
     }
-    eprintln!("note: resumes after {n_frames} frame{}", if n_frames == 1 { "" } else { "s" });
+    eprintln!("note: resuming after {n_frames} frame{}", if n_frames == 1 { "" } else { "s" });
     stdout::print(scan(config, Some(journal), &output)?.0)
 }
 
@@ -81,7 +81,7 @@ fn scan(
 /// The reason why this program cannot resume a scan with a user's camera.
 fn own_camera() -> Fault {
     Fault::request("the frames of this scan come from a user's camera (`live`)")
-        .with_remedy("resume it in the program that began it, in Python with `nextview.resume(dir)`")
+        .with_remedy("resume it in the program that started it, in Python with `nextview.resume(dir)`")
 }
 
 fn simulated(
@@ -149,7 +149,7 @@ fn drive(
     results.publish()?;
     if faults.is_some() && scan.bounds().is_none() {
         scan.forget_journal();
-        eprintln!("note: {} holds what there is of this scan; --force replaces it", dir.display());
+        eprintln!("note: {} holds the results so far; --force replaces them", dir.display());
     }
     faults.map_or(Ok(()), Err)?;
     scan.forget_journal();

@@ -25,7 +25,7 @@ pub enum TransformError {
         source_root: String,
     },
     /// The time is before the first known transform.
-    #[error("'{frame}' in '{parent}' is known from {first_s:.3} s on, {:.3} s after the time asked for", first_s - time_s)]
+    #[error("'{frame}' in '{parent}' is known only from {first_s:.3} s, {:.3} s after the requested time", first_s - time_s)]
     Before {
         /// The child frame.
         frame: String,
@@ -37,7 +37,7 @@ pub enum TransformError {
         first_s: f64,
     },
     /// The time is after the last known transform: a later one may still arrive.
-    #[error("'{frame}' in '{parent}' is known until {last_s:.3} s, {:.3} s before the time asked for", time_s - last_s)]
+    #[error("'{frame}' in '{parent}' is known only until {last_s:.3} s, {:.3} s before the requested time", time_s - last_s)]
     After {
         /// The child frame.
         frame: String,
@@ -50,7 +50,8 @@ pub enum TransformError {
     },
     /// The time is in a gap that is too long to interpolate.
     #[error(
-        "'{frame}' in '{parent}' moves, and is not known from {from_s:.3} s to {to_s:.3} s, expected at most 0.5 s in between"
+        "'{frame}' in '{parent}' moves, and is unknown from {from_s:.3} s to {to_s:.3} s, expected a gap of \
+         at most 0.5 s"
     )]
     Gap {
         /// The child frame.
@@ -88,13 +89,13 @@ pub enum TransformError {
         before: String,
     },
     /// A frame is both static and moving: two programs publish it.
-    #[error("'{frame}' is published as static and as moving, expected one of both")]
+    #[error("'{frame}' is published both as static and as moving, expected only one of them")]
     BothKinds {
         /// The child frame.
         frame: String,
     },
     /// A transform would make a frame its own ancestor.
-    #[error("'{frame}' in '{parent}' closes a circle, expected a tree")]
+    #[error("'{frame}' in '{parent}' closes a loop, expected a tree")]
     Circle {
         /// The child frame.
         frame: String,

@@ -44,10 +44,12 @@ fn what_is_not_known_is_said() {
         "no transform names the frame 'lens', expected one of base, camera, flange, map, marker"
     );
     assert!(
-        error(&tree, "map", "camera", 7.5).contains("known until 7.000 s, 0.500 s before the time asked")
+        error(&tree, "map", "camera", 7.5)
+            .contains("known only until 7.000 s, 0.500 s before the requested time")
     );
     assert!(
-        error(&tree, "map", "camera", 6.5).contains("known from 7.000 s on, 0.500 s after the time asked")
+        error(&tree, "map", "camera", 6.5)
+            .contains("known only from 7.000 s, 0.500 s after the requested time")
     );
     tree.insert("odom", "rover", 1.0, pose(1.0)).unwrap();
     assert_eq!(
@@ -73,10 +75,10 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     ];
     let expected = [
         "'flange' has the parent 'map', expected 'base' as before",
-        "'flange' is published as static and as moving",
-        "'camera' is published as static and as moving",
-        "'map' in 'camera' closes a circle",
-        "'map' in 'map' closes a circle",
+        "'flange' is published both as static and as moving",
+        "'camera' is published both as static and as moving",
+        "'map' in 'camera' closes a loop",
+        "'map' in 'map' closes a loop",
         "a frame has no name",
         "the time is NaN",
         "the clock ran backwards: 'flange' was at 7.000 s and is at -3.100 s now",

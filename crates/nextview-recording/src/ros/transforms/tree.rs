@@ -167,7 +167,7 @@ impl TransformTree {
                 Err(TransformError::Circle { frame: child.to_owned(), parent: parent.to_owned() })
             }
             None if self.edges.len() >= MAX_FRAMES => {
-                let problem = format!("there are {} frames already, expected no more", self.edges.len());
+                let problem = format!("there are already {} frames, which is the maximum", self.edges.len());
                 Err(invalid(parent, child, problem))
             }
             None => Ok(()),
@@ -180,7 +180,11 @@ impl TransformTree {
         let frames = self.frames();
         frames.binary_search(&frame).map(|at| frames[at]).map_err(|_| TransformError::UnknownFrame {
             frame: frame.to_owned(),
-            known: if frames.is_empty() { "some, but there are none".to_owned() } else { frames.join(", ") },
+            known: if frames.is_empty() {
+                "at least one, but there are none".to_owned()
+            } else {
+                frames.join(", ")
+            },
         })
     }
 

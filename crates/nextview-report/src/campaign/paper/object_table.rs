@@ -11,10 +11,10 @@ const MAX_OBJECTS: usize = 1000;
 
 /// The section.
 pub(in crate::campaign) fn section(study: &Study) -> Section {
-    let note = "Final voxel coverage in %, as in table I of the paper. The paper's columns stand beside \
-                objects that can be matched: Stanford models by name, LINEMOD and HomebrewedDB by the object's \
-                number, on the assumption that the paper's LMn is object n of the BOP benchmark. Its averages \
-                here are over the matched objects; its own are in the last row.";
+    let note = "Final voxel coverage in %, as in table I of the paper. The paper's columns are filled for \
+                objects that can be matched: Stanford models by name, LINEMOD and HomebrewedDB by the \
+                object's number, assuming that the paper's LMn is object n of the BOP benchmark. Its \
+                averages here are over the matched objects; its published averages are in the last row.";
     let mut note = note.to_owned();
     if study.objects.len() > MAX_OBJECTS {
         note += &format!(" With more than {MAX_OBJECTS} objects, only the averages are shown.");

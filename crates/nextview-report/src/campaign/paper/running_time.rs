@@ -9,9 +9,10 @@ use nextview_campaign::statistics::{Measure, Study, StudyVariant, deviation};
 const PARTS: [Measure; 4] = [PLANNING, MOVING, SENSING, RUNNING_TIME];
 
 /// The remark above the table.
-pub(super) const NOTE: &str = "Running times are those of a simulated robot, mean and standard deviation over objects: \
-     planning, with the updates of the map, as measured; moving around the object's ball and sensing at each \
-     view with the limits of [motion]. The paper's are of a real robot.";
+pub(super) const NOTE: &str = "Running times of a simulated robot, mean and standard deviation over objects: \
+                               planning and map updates as measured; moving around the object's sphere and \
+                               sensing at each view with the limits of [motion]. The paper's times are of a \
+                               real robot.";
 
 /// The table, with a row per variant; `None` if all runs failed.
 pub(super) fn table(study: &Study) -> Option<Table> {

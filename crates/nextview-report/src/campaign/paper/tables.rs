@@ -17,8 +17,8 @@ pub(in crate::campaign) fn section(study: &Study) -> Option<Section> {
     if blocks.is_empty() {
         return None;
     }
-    let note = "In brackets or below a value: what the paper published. \
-                Its times are of its own computer (Intel Xeon E5-2640).";
+    let note = "In brackets or below a value: the number that the paper published. Its times were measured \
+                on the authors' computer (Intel Xeon E5-2640).";
     blocks.insert(0, Block::Text(format!("{note} {running_time_note}").trim_end().to_owned()));
     Some(Section { title: "The paper's tables".to_owned(), blocks })
 }

@@ -37,7 +37,7 @@ pub(in crate::scan) fn note(page: &ScanPage<'_>) -> String {
     if n_measured <= MAX_POINTS {
         return String::new();
     }
-    format!("Shown are {} of {} points.", text::count(MAX_POINTS), text::count(n_measured))
+    format!("{} of {} points are shown.", text::count(MAX_POINTS), text::count(n_measured))
 }
 
 /// Takes one point from each run of equal length, at a place that looks random: a fixed place would show the

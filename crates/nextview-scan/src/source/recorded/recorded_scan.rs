@@ -56,7 +56,7 @@ impl RecordedScan {
                 // Before any computation.
                 config.planner(None).map(drop).map_err(|fault| {
                     match config.planner.properties().needs_truth {
-                        true => fault.with_remedy("name its mesh as `recording.truth`"),
+                        true => fault.with_remedy("set `recording.truth` to its mesh"),
                         false => fault,
                     }
                 })?;
@@ -216,7 +216,7 @@ fn left_out(skipped: &[Skipped]) -> Option<String> {
     let first = skipped.first()?;
     Some(match skipped.len() {
         1 => first.to_string(),
-        n => format!("{n} of the recording are left out; {first}"),
+        n => format!("{n} frames of the recording are left out; {first}"),
     })
 }
 

@@ -40,7 +40,8 @@ impl TrueShape {
     ) -> Result<Option<Self>, Fault> {
         let Some(file) = &recording.truth else { return Ok(None) };
         let (mesh, scaling) = mesh::load(Path::new(file))?.to_metres(config.unit.into())?;
-        let note = (scaling.source == UnitSource::Guessed).then(|| format!("{scaling}; state it as `unit`"));
+        let note =
+            (scaling.source == UnitSource::Guessed).then(|| format!("{scaling}; set `unit` to be sure"));
         let mesh = match &recording.truth_from_world {
             Some(file) => mesh.transformed(&read_transform(Path::new(file))?.inverse())?,
             None => mesh,
@@ -69,10 +70,8 @@ impl TrueShape {
             }
         }
         let visibility = TrueVisibility::of_seen(shown).ok_or_else(|| {
-            Fault::data(
-                "no frame has a point within 2 mm of the true object, so that they do not belong together",
-            )
-            .with_remedy("`recording.truth_from_world` states where the mesh is, `unit` its unit")
+            Fault::data("no frame has a point within 2 mm of the true object, so they do not match")
+                .with_remedy("`recording.truth_from_world` states where the mesh is, `unit` its unit")
         })?;
         let mut reachable_voxels = FixedBitSet::with_capacity(self.voxels.len());
         hit.iter().for_each(|voxels| reachable_voxels.union_with(voxels));

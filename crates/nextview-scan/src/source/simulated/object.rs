@@ -47,8 +47,10 @@ impl Object {
     fn builtin(name: &str, config: &ScanConfig) -> Result<Self, Fault> {
         let mesh = builtin::by_name(name).ok_or_else(|| {
             let known = builtin::names().collect::<Vec<_>>().join(", ");
-            let hint =
-                format!("there are {known}, and random-N with a whole number N from 0 to {}", i64::MAX);
+            let hint = format!(
+                "the built-in objects are {known}, and random-N with a whole number N from 0 to {}",
+                i64::MAX
+            );
             Fault::request(format!("no built-in object '{name}'")).with_remedy(hint)
         })?;
         let scale = config.size_m.map_or(1.0, |size| size / mesh.bounds().longest_side());
@@ -61,8 +63,8 @@ impl Object {
         let file = read(path)?;
         let (mesh, scaling) = file.to_metres(unit)?;
         let unit_note =
-            (scaling.source == UnitSource::Guessed).then(|| format!("{scaling}; state it as `unit`"));
-        let color_note = file.color_fault().map(|fault| format!("the mesh goes without colours: {fault}"));
+            (scaling.source == UnitSource::Guessed).then(|| format!("{scaling}; set `unit` to be sure"));
+        let color_note = file.color_fault().map(|fault| format!("the mesh is used without colours: {fault}"));
         let notes = unit_note.into_iter().chain(color_note).collect();
         let (name, mesh) = (short_name(&config.object), sized(mesh, config)?);
         Ok(Self { name, mesh, notes, now_from_before: None })

@@ -150,5 +150,5 @@ fn check_in_room(scene: &Scene, views: &ViewSpace) -> Result<(), Fault> {
         room.min,
         room.max
     ));
-    Err(fault.with_remedy("views must be in metres, and around the place where the object is"))
+    Err(fault.with_remedy("views must be in metres, and around the object"))
 }

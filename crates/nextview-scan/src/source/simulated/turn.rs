@@ -15,9 +15,9 @@ const STREAM: u64 = 17;
 /// pose, at a random angle about the vertical, at its old position and height.
 pub(super) fn turn(mesh: &TriangleMesh, results: &Path, seed: u64) -> Result<Pose, Fault> {
     let Some(PlacementRecord { down, .. }) = ScanRecord::read(results)?.next_placement else {
-        let fault = Fault::data("asks for no other placement of the object").in_file(results);
+        let fault = Fault::data("requests no other placement of the object").in_file(results);
         return Err(
-            fault.with_remedy("all of it was seen, or nothing is known of its table: leave out `after`")
+            fault.with_remedy("all of the object was seen, or its table is unknown: leave out `after`")
         );
     };
     let asked = DVec3::from_array(down);

@@ -68,7 +68,9 @@ pub(super) fn elements<'a>(
     let accessor = field(&document.accessors, i, "accessors")?;
     let error = |problem: &str| SimError::format(format!("accessors[{i}]"), problem);
     let (Some(view), None) = (accessor.buffer_view, &accessor.sparse) else {
-        return Err(error("is sparse or has no bufferView, which is not supported; export the mesh plainly"));
+        return Err(error(
+            "is sparse or has no bufferView, which is not supported; export the mesh without sparse accessors",
+        ));
     };
     let view = field(&document.buffer_views, view, "bufferViews")?;
     let buffer = buffers.get(view.buffer).ok_or_else(|| error("refers to a buffer that does not exist"))?;

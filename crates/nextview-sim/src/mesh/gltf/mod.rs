@@ -56,7 +56,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), SimError> {
         bytes.get(at + 8..(at + 8).checked_add(length)?)
     };
     let json = chunk(12, b"JSON").ok_or_else(|| {
-        SimError::format("byte 12", "no complete JSON chunk; the file is truncated or no GLB")
+        SimError::format("byte 12", "no complete JSON chunk; the file is truncated or not a GLB file")
     })?;
     let at = 20 + json.len();
     if bytes.len() < at + 8 {

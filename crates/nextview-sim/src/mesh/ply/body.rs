@@ -91,7 +91,7 @@ impl Values<'_, '_> {
             return Ok(stated as usize);
         }
         Err(self.error(format!(
-            "a list of {stated} values, but only {max} can follow; the file is broken or truncated"
+            "a list of {stated} values, but only {max} can follow; the file is damaged or truncated"
         )))
     }
 

@@ -122,7 +122,12 @@ impl Header {
                 }
                 // A comment may have any encoding.
                 _ if line.starts_with(b"comment") || line.starts_with(b"obj_info") => {}
-                _ => return Err(error(format!("{:?} is no line of a PLY header", shown(raw.trim_ascii())))),
+                _ => {
+                    return Err(error(format!(
+                        "{:?} is not a line of a PLY header",
+                        shown(raw.trim_ascii())
+                    )));
+                }
             }
         }
         Err(SimError::format(

@@ -18,7 +18,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
     if header.element("face").is_none() {
         let names: Vec<&str> = header.elements.iter().map(|e| e.name.as_str()).collect();
         let problem =
-            format!("has the elements {names:?}, expected vertex and face (a point cloud is no mesh)");
+            format!("has the elements {names:?}, expected vertex and face (a point cloud is not a mesh)");
         return Err(SimError::format("header", problem));
     }
     let columns = [&POSITION[..], all_of(&header, &COLOR)].concat();
@@ -321,7 +321,7 @@ mod tests {
         check("property float x", "property fluff x", "line 6: unknown type \"fluff\"");
         check("property float x", "property float u", "lacks one of the properties x, y and z");
         check("vertex_indices", "corners", "lacks the list vertex_indices");
-        check("element face", "element edge", "a point cloud is no mesh");
+        check("element face", "element edge", "a point cloud is not a mesh");
         check("end_header", "oops", "line 14");
         check("vertex 4", "vertex 1152921504606846976", "1152921504606846976 vertex");
         check("face 2", "face 1152921504606846976", "1152921504606846976 face");

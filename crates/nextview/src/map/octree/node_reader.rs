@@ -35,7 +35,8 @@ impl<R: Read> NodeReader<R> {
 
     pub fn push(&mut self, node: Node) -> Result<usize, Error> {
         if self.tree.n_nodes() as u64 == self.n_expected {
-            return Err(self.error(format!("the tree goes on, but its header says size {}", self.n_expected)));
+            return Err(self
+                .error(format!("the tree has more nodes than the size in its header, {}", self.n_expected)));
         }
         Ok(self.tree.push(node))
     }

@@ -194,7 +194,7 @@ fn says_what_is_wrong_with_ot_data_and_where() {
     check(1 << 60, &chain[..5], 5, "the data ends after 1 of 1152921504606846976 nodes");
     check(1, b"", 0, "the data ends after 0 of 1 nodes");
     check(1, &leaf[..4], 4, "the data ends after 0 of 1 nodes");
-    check(1, &chain[..10], 9, "the tree goes on, but its header says size 1");
+    check(1, &chain[..10], 9, "the tree has more nodes than the size in its header, 1");
     check(2, &leaf, 5, "the tree is complete with 1 nodes, but its header says size 2");
     check(1, &[0; 6], 5, "the tree is complete, expected the file to end here");
     check(0, &leaf, 0, "the tree is complete, expected the file to end here");
@@ -207,7 +207,7 @@ fn says_what_is_wrong_with_ot_data_and_where() {
 fn says_what_is_wrong_with_bt_data_and_where() {
     let check = |size, data: &[u8], at, problem| check_problem(Encoding::Bt, size, data, at, problem);
     check(3, &[0b0111, 0], 2, "the data ends after 1 of 3 nodes");
-    check(2, &[0b1001, 0], 0, "the tree goes on, but its header says size 2");
+    check(2, &[0b1001, 0], 0, "the tree has more nodes than the size in its header, 2");
     check(4, &[0b1001, 0], 2, "the tree is complete with 3 nodes, but its header says size 4");
     check(2, &[3, 0, 0, 0], 2, "an inner node at depth 1 has no children, expected at least one");
     check(99, &[3, 0].repeat(20), 30, "a node at depth 16 has children, expected none below a voxel");

@@ -31,7 +31,7 @@ async function request(path, options = {}) {
   if (response.ok) return response;
   const { faults = [] } = await response.json().catch(() => ({}));
   const words = faults.map(({ message, remedy }) => [message, remedy].filter(Boolean).join("; "));
-  const error = new Error(words.join(". ") || `the server answers ${response.status}`);
+  const error = new Error(words.join(". ") || `the server responded with status ${response.status}`);
   throw Object.assign(error, { status: response.status });
 }
 

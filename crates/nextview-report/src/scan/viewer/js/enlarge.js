@@ -1,4 +1,4 @@
-// A function that fetches the whole picture of a small one, as an address of data; none where there is no server.
+// A function that fetches the whole picture of a small one, as an address of data; none if there is no server.
 let wholePicture = null;
 
 // Pictures of the views, enlarged in a dialog; also without WebGL.

@@ -13,8 +13,8 @@ function showGuidance(guidance) {
   const turn = (value, ...directions) => part(value, 1, (degrees) => `${Math.round(degrees)}°`, ...directions);
   const way = [...go(right, "right", "left"), ...go(down, "down", "up"), ...go(forward, "forward", "back")];
   const turns = [...turn(turnRight, "right", "left"), ...turn(turnDown, "down", "up")];
-  const words = [way.length ? `Go ${way.join(", ")}` : "Stay there", ...(turns.length ? [`turn ${turns.join(", ")}`] : [])];
-  byId("guidance-text").textContent = reached ? "Here it is: hold still." : `${words.join("; ")}.`;
+  const words = [way.length ? `Go ${way.join(", ")}` : "Stay in place", ...(turns.length ? [`turn ${turns.join(", ")}`] : [])];
+  byId("guidance-text").textContent = reached ? "View reached: hold still." : `${words.join("; ")}.`;
 }
 
 // A camera in this pose, with the lens of the scan.
@@ -25,6 +25,6 @@ function cameraAt(rows, lens) {
 
 function showTracking({ lost, remedy }) {
   byId("tracking").hidden = !lost;
-  byId("tracking").textContent = lost ? `It is not known where the camera is: ${remedy || "go back to where it was last known"}.` : "";
+  byId("tracking").textContent = lost ? `The position of the camera is unknown: ${remedy || "move it back to its last known position"}.` : "";
   if (lost) showGuidance(null);
 }

@@ -175,7 +175,7 @@
       const byAge = scans.sort((a, b) => (a.created < b.created ? -1 : 1));
       const newest = byAge.filter((scan) => scan.state !== "finished").pop() || byAge.pop();
       if (id !== null || newest) return choose(id === null ? newest.id : id);
-      connection("no scan yet; it will show here");
+      connection("no scan yet; it will appear here");
     } catch (error) {
       showFault("look", error);
       connection("not connected", true);

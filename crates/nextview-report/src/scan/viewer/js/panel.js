@@ -37,7 +37,7 @@ function startPanel(view) {
     }
     if (show.candidates && scene.candidates.best > 0) {
       const best = Math.round(scene.candidates.best);
-      keyLine("candidates expect 0 ", rampStrip(CONFIDENCE), ` ${best} new voxels`);
+      keyLine("candidates: 0 ", rampStrip(CONFIDENCE), ` ${best} new voxels expected`);
     }
   }
 
@@ -80,7 +80,7 @@ function startPanel(view) {
   return update;
 }
 
-// Starts the 3D view; none where the browser cannot draw it.
+// Starts the 3D view; none if the browser cannot draw it.
 function startScene() {
   const canvas = byId("canvas");
   const gl = startGl(canvas);

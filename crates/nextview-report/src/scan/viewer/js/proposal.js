@@ -5,11 +5,11 @@ const plainText = (value) => String(+value.toPrecision(3));
 // What is said of a view, in this order; the planner's own quantities follow.
 const REASONS = {
   expected_new_voxels: ["New voxels expected", (n) => String(Math.round(n))],
-  expected_unseen_voxels: ["All others can add", (n) => String(Math.round(n))],
-  estimated_completeness: ["Complete, estimated", percentText],
+  expected_unseen_voxels: ["Expected from all other views", (n) => String(Math.round(n))],
+  estimated_completeness: ["Estimated completeness", percentText],
   forecast_completeness: ["After the next views", (shares) => `${shares.map((share) => Math.round(100 * share)).join(", ")} %`],
-  trajectory_length_m: ["Way there", lengthText],
-  trajectory_time_s: ["Time for it", (seconds) => `${plainText(seconds)} s`],
+  trajectory_length_m: ["Path length", lengthText],
+  trajectory_time_s: ["Travel time", (seconds) => `${plainText(seconds)} s`],
   score: ["Score", plainText],
   runner_up: ["Next best", (view) => `view ${view}`],
 };
@@ -21,7 +21,7 @@ function proposalText({ state, view, stop_reason: reason }, isWritten) {
   if (isWritten) return `The scan is finished${why}.`;
   if (state === "finished") return `No view is left${why}. Finish writes the results.`;
   if (state === "paused") return "The scan is paused: no view is given out.";
-  return state === "proposed" ? `Proposed is ${viewName(view)}; it waits to be accepted.` : `The camera is to go to ${viewName(view)}.`;
+  return state === "proposed" ? `Waiting for ${viewName(view)} to be accepted.` : `Move the camera to ${viewName(view)}.`;
 }
 
 // What is to come, and what can be done; `summary` is the scan as the list of all has it, null if it is gone.
@@ -54,7 +54,7 @@ function startProposal(base, proposed, perform) {
   act("accept", () => ({ view: proposed() }));
   act("skip", () => ({ view: proposed(), reason: byId("reason").value || "skipped on the page" }));
   byId("finish").addEventListener("click", () => {
-    if (confirm("Finish the scan? No more frames are taken.")) perform(() => post(`${base()}/finish`));
+    if (confirm("Finish the scan? It accepts no frames afterwards.")) perform(() => post(`${base()}/finish`));
   });
   const files = { "cloud.ply": "Cloud", "mesh.ply": "Mesh", "map.ot": "Map", "record.json": "Record", "report.html": "Report" };
   for (const [value, textContent] of Object.entries(files)) {
