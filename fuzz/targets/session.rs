@@ -12,7 +12,7 @@ use nextview::object::{ObjectBox, Table};
 use nextview::session::{Decision, Session, SessionConfig};
 use nextview::view::generate;
 use nextview_fuzz::{Source, lens};
-use nextview_scan::{Named, PlannerConfigs, PlannerName};
+use nextview_scan::{Named, PlannerName, ScanConfig};
 
 /// Metres; most are those of a thing in the box.
 fn depth(byte: u8) -> f32 {
@@ -31,7 +31,8 @@ fn planner(source: &mut Source<'_>) -> Option<Box<dyn ViewPlanner>> {
     let name = source.pick(PlannerName::ALL);
     // Networks take a hundred times as long as all others.
     let is_quick = !name.properties().is_network;
-    is_quick.then(|| name.build(PlannerConfigs::default(), 7, None).ok()).flatten()
+    let config = ScanConfig { planner: name.into(), seed: 7, ..ScanConfig::default() };
+    is_quick.then(|| config.planner(None).ok()).flatten()
 }
 
 fn config(source: &mut Source<'_>) -> SessionConfig {

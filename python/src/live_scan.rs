@@ -12,7 +12,7 @@ use crate::{model, planner, results, values};
 use nextview::Cancel;
 use nextview::sensor::Intrinsics;
 use nextview::session::StopReason;
-use nextview_scan::{Fault, Faults, LiveConfig, LiveFrame, Measured};
+use nextview_scan::{Fault, Faults, LiveFrame, Measured};
 use numpy::{PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -47,7 +47,7 @@ impl LiveScan {
     ) -> PyResult<Self> {
         let mut config = values::config(config)?;
         config.camera = camera.intrinsics;
-        let live = config.live.get_or_insert_with(LiveConfig::default);
+        let live = config.source.to_live().map_err(|fault| exception(py, fault))?;
         (live.min_depth_m, live.max_depth_m) = (camera.depth_range.min, camera.depth_range.max);
         live.box_m = bounds.map(box_of).transpose()?;
         live.first_pose = first_pose.map(|pose| pose_of("first_pose", pose)).transpose()?;
@@ -156,7 +156,7 @@ impl LiveScan {
     /// The numbers of the camera, for its constructor.
     fn camera<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let (intrinsics, live) =
-            self.with(py, |scan| Ok((scan.config().camera, scan.config().live.clone())))?;
+            self.with(py, |scan| Ok((scan.config().camera, scan.config().source.live().cloned())))?;
         Ok(numbers_of(&intrinsics, live.unwrap_or_default().depth_range()).into_pyobject(py)?.into_any())
     }
 

@@ -9,7 +9,7 @@ use nextview::Cancel;
 use nextview::map::Snapshot;
 use nextview_scan::{
     Begin, Fault, Faults, FinalModel, FrameSource, Measured, RecordedScan, ScanConfig, ScanRecord, ScanRun,
-    SimulatedObject, Simulation, Truth,
+    SimulatedObject, Simulation, SourceConfig, Truth,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -95,13 +95,13 @@ fn done(
     listener: &Listener,
 ) -> Result<Done, Faults> {
     output.dir.iter().try_for_each(|dir| results::begin(dir, output.force, config.inputs()).map(drop))?;
-    match (&config.live, &config.recording) {
-        (Some(_), _) => {
+    match &config.source {
+        SourceConfig::Live(_) => {
             let fault = Fault::request("the frames of `live` come from a user's camera");
             Err(fault.with_remedy("scan with nextview.Scan").into())
         }
-        (None, Some(_)) => recorded(config, output, cancel, listener),
-        (None, None) => simulated(config, output, cancel, listener),
+        SourceConfig::Recording(_) => recorded(config, output, cancel, listener),
+        SourceConfig::Simulated => simulated(config, output, cancel, listener),
     }
 }
 

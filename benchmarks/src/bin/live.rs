@@ -7,7 +7,7 @@
 //! `observe`.
 
 use nextview::Cancel;
-use nextview_scan::{Fault, LiveConfig, LiveFrame, LiveScan, ScanConfig, SimulatedObject};
+use nextview_scan::{Fault, LiveConfig, LiveFrame, LiveScan, ScanConfig, SimulatedObject, SourceConfig};
 use nextview_sim::evaluator;
 use nextview_sim::scene::CAMERA_RANGE;
 use std::error::Error;
@@ -27,7 +27,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         max_depth_m: CAMERA_RANGE,
         ..LiveConfig::default()
     };
-    let config = ScanConfig { object: "mug".to_owned(), live: Some(live), ..config };
+    let source = SourceConfig::Live(live);
+    let config = ScanConfig { object: "mug".to_owned(), source, ..config };
     for _ in std::io::stdin().lines() {
         println!("{}", times(&config, &object)?.join(" "));
     }

@@ -10,7 +10,7 @@ use nextview::Cancel;
 use nextview::geometry::Pose;
 use nextview::sensor::{Depth, DepthImage, Intrinsics};
 use nextview_recording::ros::TransformTree;
-use nextview_scan::{LiveConfig, LiveFrame, LiveScan, ScanConfig, SimulatedObject};
+use nextview_scan::{LiveConfig, LiveFrame, LiveScan, ScanConfig, SimulatedObject, SourceConfig};
 use nextview_sim::evaluator;
 use std::error::Error;
 use std::io::{BufRead, Write};
@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 views: Some(views.parse()?),
                 candidates: 200,
                 camera,
-                live: Some(live),
+                source: SourceConfig::Live(live),
                 ..ScanConfig::default()
             };
             let mut scan = LiveScan::begin(config, None, Cancel::default())?;

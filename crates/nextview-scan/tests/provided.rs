@@ -7,7 +7,7 @@ use nextview::sensor::DepthImage;
 use nextview::{Cancel, Error};
 use nextview_scan::{
     Fault, FaultKind, LiveConfig, LiveFrame, LiveScan, PlannerName, PlannerProvider, ProvidedPlanner,
-    ScanConfig, ScanRecord, provide_planners,
+    ScanConfig, ScanRecord, SourceConfig, provide_planners,
 };
 
 /// Stands for an interpreter with a module `known` of three classes.
@@ -48,7 +48,7 @@ fn config(planner: &str) -> ScanConfig {
     provide_planners(Box::new(Interpreter));
     let text = format!("planner = \"{planner}\"\ngreedy.theta = 0.25\nseed = 5\nviews = 4\ncandidates = 30");
     let live = LiveConfig { box_m: Some([-0.1, -0.1, -0.1, 0.1, 0.1, 0.1]), ..LiveConfig::default() };
-    ScanConfig { live: Some(live), ..ScanConfig::parse(&text, None, None).unwrap() }
+    ScanConfig { source: SourceConfig::Live(live), ..ScanConfig::parse(&text, None, None).unwrap() }
 }
 
 /// Takes a view in which nothing is seen; none if the scan is over.

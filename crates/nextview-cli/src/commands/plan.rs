@@ -3,9 +3,8 @@ use super::values::{self, some_named};
 use crate::{Failure, stdout};
 use clap::Args;
 use nextview::geometry::Aabb;
-use nextview::planner::{BatchConfig, GreedyConfig, MaxFlowConfig, MostSurfaceConfig};
 use nextview::sensor::Intrinsics;
-use nextview_scan::{BatchRecord, PlannerConfigs, PlannerName, SavedMap};
+use nextview_scan::{BatchRecord, PlannerName, SavedMap, ScanConfig};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -72,24 +71,17 @@ impl PlanArgs {
         stdout::print(if self.batch.is_some() { self.batch(&map)? } else { self.next(&map)? })
     }
 
-    /// The parameters of all planners, as set by options.
-    fn configs(&self) -> PlannerConfigs {
-        let (theta, default) = (self.theta, BatchConfig::default());
-        PlannerConfigs {
-            most_surface: MostSurfaceConfig { theta, ..MostSurfaceConfig::default() },
-            max_flow: MaxFlowConfig { theta, ..MaxFlowConfig::default() },
-            greedy: GreedyConfig { theta, ..GreedyConfig::default() },
-            batch: BatchConfig {
-                theta,
-                n_views: self.batch.map_or(default.n_views, |n| n as usize),
-                ..default
-            },
-            ..PlannerConfigs::default()
-        }
+    /// The planner and its parameters, as set by options.
+    fn config(&self) -> ScanConfig {
+        let (planner, seed) = (self.planner.into(), self.seed);
+        let mut config = ScanConfig { planner, seed, ..ScanConfig::default() };
+        config.set_theta(self.theta);
+        config.batch.n_views = self.batch.map_or(config.batch.n_views, |n| n as usize);
+        config
     }
 
     fn batch(&self, map: &SavedMap) -> Result<String, Failure> {
-        let batch = BatchRecord::new(&map.next_views(&self.configs())?, map.views());
+        let batch = BatchRecord::new(&map.next_views(self.config().batch)?, map.views());
         if !self.json {
             return Ok(batch::to_text(&batch));
         }
@@ -97,7 +89,7 @@ impl PlanArgs {
     }
 
     fn next(&self, map: &SavedMap) -> Result<String, Failure> {
-        let choice = map.next_view(self.planner, self.configs(), self.seed)?;
+        let choice = map.next_view(&self.config())?;
         let pose = choice.as_ref().map(|choice| map.views().pose(choice.view));
         let answer = Answer {
             planner: self.planner,

@@ -155,7 +155,7 @@ mod tests {
             format!("{BOX} frame_id:=base resolution:=0.01 sensor_model.max_range:=2 sensor_model.hit:=0.8");
         let parameters = parameters(&text).unwrap();
         let config = parameters.scan_config(Intrinsics::d435i()).unwrap();
-        let live = config.live.unwrap();
+        let live = config.source.live().unwrap();
         assert_eq!((parameters.global_frame.as_str(), config.voxel_size_m), ("base", Some(0.01)));
         assert_eq!(
             (live.max_depth_m, config.map.sensor_model.hit, parameters.auto_capture),

@@ -5,7 +5,9 @@ use super::ReferenceConfig;
 use super::millimetres::{in_millimetres, of_least_depth};
 use super::planner_name::no_reference;
 use super::planner_properties::remedy;
-use super::{BoxRule, LiveConfig, RecordingConfig, RobotConfig, ScanConfig, TableRule, ViewRule};
+use super::{
+    BoxRule, LiveConfig, RecordingConfig, RobotConfig, ScanConfig, SourceConfig, TableRule, ViewRule,
+};
 use crate::{Fault, Faults};
 use nextview::gain::Apora;
 use nextview::geometry::Aabb;
@@ -95,7 +97,7 @@ fn out_of_range(config: &ScanConfig) -> Vec<Fault> {
     );
     #[cfg(feature = "simulated")]
     faults.extend(config.noise.faults());
-    let read = config.recording.iter().filter_map(|recording| recording.read.check().err());
+    let read = config.source.recording().and_then(|recording| recording.read.check().err());
     faults.extend(read.map(Fault::from));
     faults
 }
@@ -110,8 +112,11 @@ fn contradictions(config: &ScanConfig) -> Vec<Fault> {
     faults.extend(config.robot.iter().flat_map(RobotConfig::faults));
     #[cfg(feature = "simulated")]
     faults.extend(config.of_sensor());
-    faults.extend(config.recording.iter().flat_map(|recording| of_recording(recording, config)));
-    faults.extend(config.live.iter().flat_map(|live| of_live(live, config)));
+    faults.extend(match &config.source {
+        SourceConfig::Simulated => Vec::new(),
+        SourceConfig::Recording(recording) => of_recording(recording, config),
+        SourceConfig::Live(live) => of_live(live, config),
+    });
     faults.extend(of_turntable(config));
     faults.extend(of_view_distance(config));
     faults.extend(of_stop(config));
@@ -213,7 +218,7 @@ fn takes_second_looks(config: &ScanConfig, key: &str) -> Option<Fault> {
 fn of_views(config: &ScanConfig, n_views: usize) -> Vec<Fault> {
     let mut faults = Vec::new();
     // Recorded poses stay candidates wherever the table is.
-    let has_table = config.object_box.table != TableRule::None && config.recording.is_none();
+    let has_table = config.object_box.table != TableRule::None && config.source.recording().is_none();
     let which = match (config.reach.is_default(), has_table) {
         (true, false) => None,
         (true, true) => Some("above the table"),
@@ -259,10 +264,6 @@ fn of_recording(recording: &RecordingConfig, config: &ScanConfig) -> Vec<Fault> 
 /// All faults of a user's camera, and all keys that only a simulation can have.
 fn of_live(live: &LiveConfig, config: &ScanConfig) -> Vec<Fault> {
     let mut faults = of_place("live", live.bounds(), live.table_z_m, config);
-    if config.recording.is_some() {
-        let fault = Fault::request("frames are either recorded or come from a user's camera");
-        faults.push(fault.with_remedy("leave out `recording` or `live`"));
-    }
     if !(live.min_depth_m >= 0.0 && live.min_depth_m.is_finite()) {
         faults.push(Fault::of_value(
             "live.min_depth_m",
@@ -293,7 +294,7 @@ fn of_turntable(config: &ScanConfig) -> Vec<Fault> {
     if config.view_space.rule() != Some(ViewRule::Ring) {
         refuse("the views of a `turntable` are a ring", "set `view_space` = ring");
     }
-    match &config.live {
+    match config.source.live() {
         None => refuse(
             "`turntable` is for a camera of your own",
             "`view_space` = ring alone simulates a turntable; add `live` for a camera of your own",

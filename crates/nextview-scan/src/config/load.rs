@@ -1,7 +1,7 @@
 //! Reads a configuration from a text or a table and reports all its faults at once.
 
 use super::value::{self, Problem, What, read_value};
-use super::{Positions, Profile, ScanConfig};
+use super::{Positions, Profile, ScanConfig, SourceConfig};
 use crate::{Fault, FaultKind, Faults, Place, files};
 use glam::DVec2;
 use nextview::sensor::Intrinsics;
@@ -47,6 +47,10 @@ impl ScanConfig {
         let base = with_sensor(base, &mut table, &mut faults);
         // The defaults of a misspelt profile or sensor are unknown.
         let knows_defaults = faults.is_empty();
+        if table.contains_key("recording") && table.contains_key("live") {
+            table.remove("recording");
+            faults.push(SourceConfig::two());
+        }
         let base = Table::try_from(base).map_err(Fault::data)?;
         let config: Option<Self> = read_over(&base, &mut table, Self::out_of_range, &mut faults);
         if let Some(config) = config.as_ref().filter(|_| knows_defaults) {

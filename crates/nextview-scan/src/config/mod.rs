@@ -8,6 +8,7 @@ mod millimetres;
 mod names;
 #[cfg(feature = "simulated")]
 mod noise;
+mod planner;
 mod planner_choice;
 mod planner_name;
 mod planner_properties;
@@ -24,6 +25,8 @@ mod scan_config;
 mod sensor;
 #[cfg(feature = "simulated")]
 mod sensor_name;
+mod source;
+mod source_keys;
 mod turntable;
 mod value;
 
@@ -34,7 +37,7 @@ pub use names::Named;
 #[cfg(feature = "simulated")]
 pub use noise::{NoiseConfig, NoiseModel};
 pub use planner_choice::PlannerChoice;
-pub use planner_name::{NbvNetConfig, PlannerConfigs, PlannerName};
+pub use planner_name::{NbvNetConfig, PlannerName};
 pub use planner_properties::PlannerProperties;
 pub use positions::Positions;
 pub use provided::{PlannerProvider, ProvidedPlanner, provide_planners};
@@ -45,5 +48,6 @@ pub use robot::RobotConfig;
 pub use scan_config::{MapConfig, ModelConfig, ObjectBoxConfig, ScanConfig};
 #[cfg(feature = "simulated")]
 pub use sensor_name::SensorName;
+pub use source::SourceConfig;
 pub use turntable::TurntableConfig;
 pub use value::read_value;

@@ -1,6 +1,5 @@
-use super::{PlannerConfigs, PlannerName, PlannerProperties};
+use super::{PlannerName, PlannerProperties};
 use crate::{Fault, ProvidedPlanner};
-use nextview::planner::ViewPlanner;
 use serde::de::value::StringDeserializer;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
@@ -49,19 +48,6 @@ impl PlannerChoice {
         match self {
             Self::BuiltIn(_) => Ok(()),
             Self::Provided(planner) => planner.check(),
-        }
-    }
-
-    /// Builds the planner for a scan with this seed; see [`PlannerName::build`].
-    pub fn build(
-        &self,
-        configs: PlannerConfigs,
-        seed: u64,
-        clairvoyant: Option<Box<dyn ViewPlanner>>,
-    ) -> Result<Box<dyn ViewPlanner>, Fault> {
-        match self {
-            Self::BuiltIn(name) => name.build(configs, seed, clairvoyant),
-            Self::Provided(planner) => planner.build(configs.greedy, seed),
         }
     }
 }

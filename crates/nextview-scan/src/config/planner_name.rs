@@ -1,18 +1,7 @@
+use super::PlannerProperties;
 use super::names::named;
-use super::{PlannerProperties, ReferenceConfig};
 use crate::{Fault, files};
-use nextview::gain::{
-    Apora, AreaFactor, AverageEntropy, InformationGain, Krainin, OcclusionAware, Potthast, ProximityCount,
-    RearSideEntropy, RearSideVoxel, UnobservedVoxel,
-};
-use nextview::planner::{
-    Batch, BatchConfig, EvenViews, FrontierTour, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig,
-    MostSurface, MostSurfaceConfig, PbNbv, RandomViews, RecedingHorizon, See, ViewPlanner,
-};
-use nextview_learned::kaba::Kaba;
 use nextview_learned::nbv_net::{NbvNet, Network};
-use nextview_learned::nbv_regression::NbvRegression;
-use nextview_learned::pc_nbv::PcNbv;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -115,24 +104,6 @@ pub struct NbvNetConfig {
 /// Maximum size of a weights file in bytes: ten times that of NBV-Net in 32 bits.
 const MAX_WEIGHTS_BYTES: u64 = 1 << 26;
 
-/// The parameters of all planners.
-#[derive(Clone, Debug, Default)]
-pub struct PlannerConfigs {
-    /// Parameters of the default planner.
-    pub most_surface: MostSurfaceConfig,
-    /// Parameters of the paper's planner.
-    pub max_flow: MaxFlowConfig,
-    /// Parameters of all planners named after a gain, and of gains written in Python. The ray spacing also
-    /// applies to frontier-tour, receding-horizon and kaba.
-    pub greedy: GreedyConfig,
-    /// Parameters of the planner that chooses several views at once.
-    pub batch: BatchConfig,
-    /// Parameters of NBV-Net.
-    pub nbv_net: NbvNetConfig,
-    /// Parameters of the planner inspection; `None` if there is no CAD model.
-    pub reference: Option<ReferenceConfig>,
-}
-
 impl NbvNetConfig {
     /// Builds the planner. Fails if the weights cannot be read.
     pub fn planner(&self) -> Result<NbvNet, Fault> {
@@ -147,67 +118,8 @@ impl NbvNetConfig {
     }
 }
 
-impl PlannerName {
-    /// Builds the planner. The caller provides the clairvoyant one; `None` if the truth is unknown.
-    pub fn build(
-        self,
-        configs: PlannerConfigs,
-        seed: u64,
-        clairvoyant: Option<Box<dyn ViewPlanner>>,
-    ) -> Result<Box<dyn ViewPlanner>, Fault> {
-        let PlannerConfigs { most_surface, max_flow, greedy, batch, nbv_net, reference } = configs;
-        Ok(match self {
-            Self::MostSurface => Box::new(MostSurface::new(most_surface)?),
-            Self::MaxFlow => Box::new(MaxFlow::new(max_flow)?),
-            Self::Local => Box::new(MaxFlow::new(MaxFlowConfig { gamma: 0.0, ..max_flow })?),
-            Self::Apora => by_gain::<Apora>(greedy)?,
-            Self::Rse => by_gain::<RearSideEntropy>(greedy)?,
-            Self::RearSideVoxel => by_gain::<RearSideVoxel>(greedy)?,
-            Self::OcclusionAware => by_gain::<OcclusionAware>(greedy)?,
-            Self::UnobservedVoxel => by_gain::<UnobservedVoxel>(greedy)?,
-            Self::ProximityCount => by_gain::<ProximityCount>(greedy)?,
-            Self::AverageEntropy => by_gain::<AverageEntropy>(greedy)?,
-            Self::Krainin => by_gain::<Krainin>(greedy)?,
-            Self::AreaFactor => by_gain::<AreaFactor>(greedy)?,
-            Self::Potthast => by_gain::<Potthast>(greedy)?,
-            Self::FrontierTour => Box::new(FrontierTour::new(greedy.ray_spacing)?),
-            Self::PbNbv => Box::new(PbNbv),
-            Self::See => Box::new(See::default()),
-            Self::RecedingHorizon => Box::new(RecedingHorizon::new(greedy.ray_spacing, seed)?),
-            Self::Kaba => Box::new(Kaba::new(greedy.ray_spacing)?),
-            Self::NbvNet => Box::new(nbv_net.planner()?),
-            Self::NbvRegression => Box::new(NbvRegression::default()),
-            Self::PcNbv => Box::new(PcNbv::default()),
-            Self::Batch => Box::new(Batch::new(batch)?),
-            Self::EvenViews => Box::new(EvenViews),
-            Self::Inspection => inspection(reference)?,
-            Self::InOrder => Box::new(InOrder),
-            Self::Random => Box::new(RandomViews { seed }),
-            Self::Clairvoyant => clairvoyant.ok_or_else(|| {
-                Fault::request("the clairvoyant planner needs the true object").with_remedy(
-                    "use it in a simulation, or set `recording.truth` to the mesh of a recorded object",
-                )
-            })?,
-        })
-    }
-}
-
 /// The fault of the planner inspection without a CAD model.
 pub(super) fn no_reference() -> Fault {
     let fault = Fault::request("the planner inspection needs the CAD model of the part");
     fault.with_remedy("set `reference.mesh`")
-}
-
-#[cfg(feature = "simulated")]
-fn inspection(reference: Option<ReferenceConfig>) -> Result<Box<dyn ViewPlanner>, Fault> {
-    reference.ok_or_else(no_reference)?.planner()
-}
-
-#[cfg(not(feature = "simulated"))]
-fn inspection(_: Option<ReferenceConfig>) -> Result<Box<dyn ViewPlanner>, Fault> {
-    Err(Fault::request("this program reads no meshes, which the planner inspection needs"))
-}
-
-fn by_gain<G: InformationGain + 'static>(config: GreedyConfig) -> Result<Box<dyn ViewPlanner>, Fault> {
-    Ok(Box::new(Greedy::<G>::new(config)?))
 }

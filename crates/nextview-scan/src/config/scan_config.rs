@@ -1,29 +1,22 @@
 use super::{
-    BoxRule, LiveConfig, NbvNetConfig, PlannerChoice, PlannerConfigs, PlannerName, Profile, ReachConfig,
-    RecordingConfig, ReferenceConfig, RobotConfig, SizeOf, TableRule, TurntableConfig, UnitName,
-    ViewSpaceName,
+    BoxRule, NbvNetConfig, PlannerChoice, PlannerName, Profile, ReachConfig, ReferenceConfig, RobotConfig,
+    SizeOf, SourceConfig, TableRule, TurntableConfig, UnitName, ViewSpaceName,
 };
 use crate::Fault;
 use nextview::geometry::Aabb;
 use nextview::map::{Background, RayRule, SensorModel};
 use nextview::motion::MotionConfig;
-use nextview::planner::{
-    BatchConfig, GreedyConfig, MaxFlowConfig, MinOverlap, MostSurfaceConfig, ViewPlanner,
-};
+use nextview::planner::{BatchConfig, GreedyConfig, MaxFlowConfig, MostSurfaceConfig};
 use nextview::registration::{RegistrationConfig, RegistrationMode};
 use nextview::sensor::{Intrinsics, SurfaceError};
 use nextview::session::{MultiResolutionConfig, StopConfig};
 use nextview::surface::LooksGoal;
 use nextview::visibility::FreeSpace;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::{Path, PathBuf};
 
 /// Default maximum number of views.
 const DEFAULT_VIEWS: usize = 10;
-
-/// Minimum overlap of views if frames are aligned. With 0.3, a scan of a recorded bunny took views that
-/// aligned only by chance; with 0.6 and more, scans advance too slowly.
-const OVERLAP_TO_ALIGN: f64 = 0.5;
 
 /// The configuration of a scan: the content of a configuration file, and of `config.toml` in the results.
 ///
@@ -32,7 +25,7 @@ const OVERLAP_TO_ALIGN: f64 = 0.5;
 // that for all of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
+#[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct ScanConfig {
     /// A mesh file or `builtin:NAME`; with a recording, its path; with a user's camera, the name of the
     /// object.
@@ -153,12 +146,11 @@ pub struct ScanConfig {
     /// Errors of the simulated camera.
     #[cfg(feature = "simulated")]
     pub noise: super::NoiseConfig,
-    /// Uses recorded frames. Without this or `live`, frames are simulated.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub recording: Option<RecordingConfig>,
-    /// Uses frames from a user's camera during the scan.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub live: Option<LiveConfig>,
+    /// Where the frames come from: the keys `recording` and `live`.
+    // These are read by `source_keys`.
+    #[serde(flatten, skip_deserializing)]
+    #[cfg_attr(feature = "schema", schemars(!skip_deserializing))]
+    pub source: SourceConfig,
     /// That camera is fixed, and the object turns: candidates are angles. Requires `view_space` = ring.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turntable: Option<TurntableConfig>,
@@ -266,8 +258,7 @@ impl ScanConfig {
             camera: Intrinsics::d435i(),
             #[cfg(feature = "simulated")]
             noise: super::NoiseConfig::default(),
-            recording: None,
-            live: None,
+            source: SourceConfig::Simulated,
             turntable: None,
         };
         match profile {
@@ -314,6 +305,14 @@ impl ScanConfig {
         self
     }
 
+    /// Sets the penalty on long moves of all planners that have one.
+    pub fn set_theta(&mut self, theta: f64) {
+        self.most_surface.theta = theta;
+        self.max_flow.theta = theta;
+        self.greedy.theta = theta;
+        self.batch.theta = theta;
+    }
+
     /// Sets the CAD model of the part and keeps the demands on its surfaces.
     pub fn set_reference(&mut self, mesh: PathBuf) {
         match &mut self.reference {
@@ -334,10 +333,14 @@ impl ScanConfig {
 
     /// All files and folders named by the configuration that a scan reads.
     pub fn inputs(&self) -> Vec<PathBuf> {
-        let is_file = self.recording.is_some() || !self.object.starts_with("builtin:");
-        let object = (is_file && self.live.is_none()).then_some(&self.object);
+        let is_file = match &self.source {
+            SourceConfig::Simulated => !self.object.starts_with("builtin:"),
+            SourceConfig::Recording(_) => true,
+            SourceConfig::Live(_) => false,
+        };
+        let object = is_file.then_some(&self.object);
         let views = self.view_space.rule().is_none().then_some(&self.view_space.0);
-        let recording = self.recording.iter();
+        let recording = self.source.recording().into_iter();
         let truth = recording.flat_map(|recording| [&recording.truth, &recording.truth_from_world]).flatten();
         let named = object.into_iter().chain(views).chain(truth).map(PathBuf::from);
         let named = named.chain(self.reference.iter().map(|reference| reference.mesh.clone()));
@@ -383,32 +386,11 @@ impl ScanConfig {
         }
     }
 
-    /// Builds the planner. The caller provides the clairvoyant one.
-    pub fn planner(&self, clairvoyant: Option<Box<dyn ViewPlanner>>) -> Result<Box<dyn ViewPlanner>, Fault> {
-        let configs = PlannerConfigs {
-            most_surface: self.most_surface,
-            max_flow: self.max_flow,
-            greedy: self.greedy,
-            batch: self.batch,
-            nbv_net: self.nbv_net.clone(),
-            reference: self.reference.clone(),
-        };
-        let planner = self.planner.build(configs, self.seed, clairvoyant)?;
-        let is_aligned = self.registration_mode() != RegistrationMode::Off;
-        Ok(match self.min_overlap {
-            Some(share) => Box::new(MinOverlap::new(share, planner)?),
-            None if is_aligned && !self.planner.properties().is_in_order => {
-                Box::new(MinOverlap::to_align(OVERLAP_TO_ALIGN, planner)?)
-            }
-            None => planner,
-        })
-    }
-
     /// When frames are aligned. By default, those of a camera or a recording as soon as their poses disagree,
     /// and others never.
     pub(crate) fn registration_mode(&self) -> RegistrationMode {
-        let is_given = self.recording.is_some() || self.live.is_some();
-        let usual = if is_given { RegistrationMode::Auto } else { RegistrationMode::Off };
+        let is_simulated = self.source.is_simulated();
+        let usual = if is_simulated { RegistrationMode::Off } else { RegistrationMode::Auto };
         self.registration.enabled.unwrap_or(usual)
     }
 
@@ -430,6 +412,12 @@ impl ScanConfig {
     /// Seed of the random shell.
     pub fn view_seed(&self) -> u64 {
         self.view_seed.unwrap_or(self.seed)
+    }
+}
+
+impl Serialize for ScanConfig {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
     }
 }
 

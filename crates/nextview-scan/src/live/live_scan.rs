@@ -24,10 +24,11 @@ use std::path::Path;
 /// ```
 /// use nextview::Cancel;
 /// use nextview::sensor::DepthImage;
-/// use nextview_scan::{LiveConfig, LiveFrame, LiveScan, ScanConfig};
+/// use nextview_scan::{LiveConfig, LiveFrame, LiveScan, ScanConfig, SourceConfig};
 ///
 /// let live = LiveConfig { box_m: Some([-0.1, -0.1, -0.1, 0.1, 0.1, 0.1]), ..LiveConfig::default() };
-/// let config = ScanConfig { live: Some(live), views: Some(3), ..ScanConfig::default() };
+/// let source = SourceConfig::Live(live);
+/// let config = ScanConfig { source, views: Some(3), ..ScanConfig::default() };
 /// let mut scan = LiveScan::begin(config, None, Cancel::default())?;
 /// while let Some(view) = scan.next()? {
 ///     let nothing = vec![f32::INFINITY; scan.config().camera.n_pixels()];
@@ -71,7 +72,7 @@ impl LiveScan {
         let Interrupted { heading, journal, n_frames, damage } = ScanJournal::resume(dir)?;
         let path = dir.join(ScanJournal::FILE);
         let mut config = ScanConfig::parse(&heading, Some(&path), None)?;
-        if config.live.is_none() {
+        if config.source.live().is_none() {
             let fault = Fault::data("holds a scan of simulated or recorded frames").in_file(dir);
             return Err(fault.with_remedy("`nextview scan` resumes it").into());
         }

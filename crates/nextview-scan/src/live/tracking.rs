@@ -61,7 +61,7 @@ impl LiveScan {
     }
 
     fn first_pose(&self) -> Result<Pose, Fault> {
-        let live = self.config().live.as_ref();
+        let live = self.config().source.live();
         live.and_then(|live| live.first_pose).ok_or_else(|| {
             let fault = Fault::request("the first frame defines the world and needs a pose");
             let fault = fault.with_remedy("state its pose, or `live.first_pose`");

@@ -1,12 +1,12 @@
 //! Planning from a saved map, without the frames behind it.
 
-use crate::{Fault, Faults, PlannerConfigs, PlannerName, files};
+use crate::{Fault, Faults, ScanConfig, files};
 use glam::{DVec3, IVec3};
 use nextview::geometry::{Aabb, Lattice, VoxelBlock};
 use nextview::map::octree::Leaf;
 use nextview::map::{LogOdds, Occupancy, Octree, Snapshot};
 use nextview::object::planning_box;
-use nextview::planner::{Batch, BatchPlan, Choice, Situation};
+use nextview::planner::{Batch, BatchConfig, BatchPlan, Choice, Situation};
 use nextview::sensor::Intrinsics;
 use nextview::session::SessionConfig;
 use nextview::view::ViewSpace;
@@ -77,13 +77,9 @@ impl SavedMap {
         &self.views
     }
 
-    /// Returns the next best view; `None` if no candidate gains anything.
-    pub fn next_view(
-        &self,
-        planner: PlannerName,
-        configs: PlannerConfigs,
-        seed: u64,
-    ) -> Result<Option<Choice>, Fault> {
+    /// Returns the view that the configuration's planner chooses; `None` if no candidate gains anything.
+    pub fn next_view(&self, config: &ScanConfig) -> Result<Option<Choice>, Fault> {
+        let planner = &config.planner;
         if planner.properties().needs_frames {
             let message = format!(
                 "the planner {planner} needs the depth images behind the map, which a map does not hold"
@@ -93,14 +89,14 @@ impl SavedMap {
         if planner.properties().is_network {
             check_shows_object(&self.snapshot)?;
         }
-        let mut planner = planner.build(configs, seed, None)?;
+        let mut planner = config.planner(None)?;
         let plan = planner.plan(&self.situation(&Cancel::default()))?;
         Ok(plan.choice)
     }
 
     /// Plans several views at once, a tour through them, and a bound on the best choice of this number.
-    pub fn next_views(&self, configs: &PlannerConfigs) -> Result<BatchPlan, Fault> {
-        let batch = Batch::new(configs.batch)?;
+    pub fn next_views(&self, config: BatchConfig) -> Result<BatchPlan, Fault> {
+        let batch = Batch::new(config)?;
         Ok(batch.plan_batch(&self.situation(&Cancel::default()))?)
     }
 

@@ -209,7 +209,7 @@ impl FinishedScan<'_> {
             evaluator.describe(&mut record);
             set_seeds(&mut record, config);
         }
-        if config.live.is_some() {
+        if config.source.live().is_some() {
             describe_box(&mut record, config.object_box.rule);
             set_seeds(&mut record, config);
         }
@@ -306,8 +306,8 @@ fn describe_box(record: &mut ScanRecord, rule: BoxRule) {
 
 /// The seeds of all draws that the scan made.
 fn set_seeds(record: &mut ScanRecord, config: &ScanConfig) {
-    let is_simulated = config.recording.is_none() && config.live.is_none();
-    let has_rule = config.live.as_ref().map_or(is_simulated, |live| live.poses.is_empty());
+    let is_simulated = config.source.is_simulated();
+    let has_rule = config.source.live().map_or(is_simulated, |live| live.poses.is_empty());
     let has_shell = has_rule && config.view_space.rule() == Some(ViewRule::Shell);
     record.view_seed = has_shell.then(|| config.view_seed());
     record.baseline_seed = record.random_curve.as_ref().map(|_| config.baseline_seed);

@@ -1,4 +1,4 @@
-use crate::{ScanConfig, TableRule};
+use crate::{ScanConfig, SourceConfig, TableRule};
 use nextview_recording::ReadOptions;
 
 /// What a configuration states about the frames and their content: advice must not repeat it.
@@ -15,13 +15,15 @@ pub(crate) struct Stated {
 impl Stated {
     /// What this configuration states.
     pub fn of(config: &ScanConfig) -> Self {
-        let (recording, live) = (config.recording.as_ref(), config.live.as_ref());
-        let height = recording.and_then(|recording| recording.table_z_m);
-        let height = height.or(live.and_then(|live| live.table_z_m));
+        let (section, height) = match &config.source {
+            SourceConfig::Simulated => (None, None),
+            SourceConfig::Recording(recording) => (Some("recording"), recording.table_z_m),
+            SourceConfig::Live(live) => (Some("live"), live.table_z_m),
+        };
         let is_on_table = config.object_box.table != TableRule::None || config.turntable.is_some();
         Self {
-            read: recording.map(|recording| recording.read.clone()),
-            section: recording.map(|_| "recording").or(live.map(|_| "live")),
+            read: config.source.recording().map(|recording| recording.read.clone()),
+            section,
             has_table: height.is_some() || is_on_table,
         }
     }

@@ -30,7 +30,7 @@ impl OwnCamera {
     /// Opens the configured camera and completes the configuration: number of views, voxel size, whether the
     /// box grows. Fails if the object cannot be scanned as configured.
     pub fn open(config: &mut ScanConfig) -> Result<Self, Faults> {
-        let Some(live) = config.live.clone() else {
+        let Some(live) = config.source.live().cloned() else {
             return Err(Fault::request("there is no `live` in the configuration").into());
         };
         config.check_with_files()?;

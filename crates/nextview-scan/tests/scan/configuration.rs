@@ -1,7 +1,9 @@
 //! Configurations report everything that is wrong in them at once, and where.
 
 use nextview::sensor::Sensor;
-use nextview_scan::{Faults, NoiseModel, Profile, RobotConfig, ScanConfig, SensorName};
+use nextview_scan::{
+    Faults, LiveConfig, NoiseModel, Profile, RobotConfig, ScanConfig, SensorName, SourceConfig,
+};
 use nextview_sim::noise::DepthNoise;
 use std::path::Path;
 
@@ -289,6 +291,30 @@ fn faults_of_a_file_are_data_and_others_requests() {
     assert_eq!(kind(parse("min_overlap = 2\n").unwrap_err()), [Data]);
     let config = ScanConfig { min_overlap: Some(2.0), ..ScanConfig::default() };
     assert_eq!(kind(config.check().unwrap_err()), [Request]);
+}
+
+#[test]
+fn a_scan_has_one_source_of_frames() {
+    let mut config = parse("[live]\nmin_depth_m = 0.2\n").unwrap();
+    let live = LiveConfig { min_depth_m: 0.2, ..LiveConfig::default() };
+    assert_eq!(config.source, SourceConfig::Live(live));
+    assert!(config.source.to_recording().unwrap_err().message.starts_with("frames are either recorded or"));
+    assert_eq!(parse(&toml::to_string(&config).unwrap()), Ok(config.clone()));
+    let json = serde_json::to_string(&config).unwrap();
+    assert_eq!(serde_json::from_str::<ScanConfig>(&json).unwrap(), config);
+    assert!(json.contains("\"live\":{\"min_depth_m\":0.2"), "{json}");
+    assert_eq!(
+        faults("views = 2.5\n[recording]\n[live]\nmin_depth_m = -1\n"),
+        [
+            "0:0 frames are either recorded or come from a user's camera (leave out `recording` or `live`)",
+            "1:1 `views` is 2.5, expected a whole number, at least 0",
+            "4:1 `live.min_depth_m` is -1, expected 0 or a positive number of metres",
+        ]
+    );
+    let two = serde_json::from_str::<ScanConfig>("{\"recording\": {}, \"live\": {}}").unwrap_err();
+    assert!(two.to_string().starts_with("frames are either recorded or come from a user's camera"), "{two}");
+    assert_eq!(faults("source = 1\n"), ["1:1 `source` is not a key"]);
+    assert_eq!(faults("[recordin]\n"), ["1:2 `recordin` is not a key (did you mean `recording`?)"]);
 }
 
 #[test]

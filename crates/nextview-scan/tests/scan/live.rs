@@ -10,8 +10,8 @@ use nextview::session::StopReason;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
     Begin, BoxRule, FaultKind, FinishedScan, LiveConfig, LiveFrame, LiveScan, ObjectBoxConfig, PlannerName,
-    ScanConfig, ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, TableRule, UnitName,
-    begin_results, write_results,
+    ScanConfig, ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, SourceConfig, TableRule,
+    UnitName, begin_results, write_results,
 };
 use nextview_sim::evaluator;
 use std::path::Path;
@@ -37,7 +37,7 @@ fn live(config: &ScanConfig, object: &SimulatedObject) -> ScanConfig {
         poses: object.views.poses().to_vec(),
         ..LiveConfig::default()
     };
-    ScanConfig { object: "mug".to_owned(), live: Some(live), ..config.clone() }
+    ScanConfig { object: "mug".to_owned(), source: SourceConfig::Live(live), ..config.clone() }
 }
 
 fn frame(object: &SimulatedObject, pose: &Pose, is_first: bool) -> Frame {
@@ -186,7 +186,7 @@ fn nothing_need_be_known_but_the_first_view() {
     let box_and_table = ObjectBoxConfig { table: TableRule::Fit, ..ObjectBoxConfig::default() };
     let config = ScanConfig {
         object_box: box_and_table,
-        live: Some(LiveConfig { first_pose, ..LiveConfig::default() }),
+        source: SourceConfig::Live(LiveConfig { first_pose, ..LiveConfig::default() }),
         ..config
     };
     let mut scan = LiveScan::begin(config, None, Cancel::default()).unwrap();
@@ -224,7 +224,7 @@ fn what_cannot_be_is_refused_with_its_reason() {
         let (mut config, mut live) = (config(PlannerName::MaxFlow), LiveConfig::default());
         live.box_m = Some([0.0, 0.0, 0.0, 0.1, 0.1, 0.1]);
         change(&mut config, &mut live);
-        config.live = Some(live);
+        config.source = SourceConfig::Live(live);
         let faults = LiveScan::begin(config, None, Cancel::default()).map(drop).unwrap_err().to_string();
         assert!(faults.contains(expected), "{faults}, expected {expected}");
     };
@@ -243,13 +243,15 @@ fn what_cannot_be_is_refused_with_its_reason() {
     check(|config, _| config.size_m = Some(0.1), "`size_m` is for simulations, not for a camera of your own");
     check(|config, _| config.unit = UnitName::Mm, "`unit` is for simulations, not for a camera of your own");
     check(|config, _| config.planner = PlannerName::Clairvoyant.into(), "needs the true object");
-    check(|config, _| config.recording = Some(Default::default()), "frames are either recorded or come");
     check(|config, _| config.view_space.0 = "a.csv".to_owned(), "`view_space` is a.csv, expected shell");
     check(|_, live| live.table_z_m = Some(5.0), "no view candidate is above the table");
 
     let mut scan = LiveScan::begin(
         ScanConfig {
-            live: Some(LiveConfig { box_m: Some([0.0, 0.0, 0.0, 0.1, 0.1, 0.1]), ..LiveConfig::default() }),
+            source: SourceConfig::Live(LiveConfig {
+                box_m: Some([0.0, 0.0, 0.0, 0.1, 0.1, 0.1]),
+                ..LiveConfig::default()
+            }),
             ..config(PlannerName::MaxFlow)
         },
         None,
@@ -306,7 +308,7 @@ fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
         RegistrationConfig { given_poses: GivenPoses::Tracked, ..RegistrationConfig::enabled() };
     let mut unplaced = LiveScan::begin(config.clone(), None, Cancel::default()).unwrap();
     assert_eq!(unplaced.observe(unposed(image(&first))).unwrap_err().key.unwrap(), "live.first_pose");
-    config.live.as_mut().unwrap().first_pose = Some(first);
+    config.source.to_live().unwrap().first_pose = Some(first);
     let mut scan = LiveScan::begin(config, None, Cancel::default()).unwrap();
     assert!(scan.guidance(&first).unwrap().unwrap().reached);
     scan.observe(unposed(image(&first))).unwrap();

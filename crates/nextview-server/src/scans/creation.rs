@@ -106,13 +106,13 @@ fn drop_null(value: &mut Value) {
 /// Everything that exceeds the limits of the server.
 fn too_much(config: &ScanConfig, limits: &Limits) -> Vec<Fault> {
     let mut faults = Vec::new();
-    if config.live.is_none() {
+    if config.source.live().is_none() {
         let fault =
             Fault::request("`live` is missing: it states where the object is and what the camera measures");
         let fault = fault.with_remedy("state `live.box_m`, or `live.first_pose`");
         faults.push(Fault { key: Some("live".to_owned()), ..fault });
     }
-    let poses = config.live.as_ref().map_or(0, |live| live.poses.len());
+    let poses = config.source.live().map_or(0, |live| live.poses.len());
     let counts = [
         ("candidates", config.candidates, limits.candidates),
         ("live.poses", poses, limits.candidates),

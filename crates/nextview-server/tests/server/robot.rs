@@ -5,8 +5,8 @@ use nextview::geometry::Pose;
 use nextview::sensor::{Depth, DepthImage, Frame, Intrinsics};
 use nextview::session::NextView;
 use nextview_scan::{
-    FrameSource, LiveConfig, NoiseConfig, NoiseModel, ScanConfig, SimulatedObject, Simulation, TableRule,
-    pose_of_rows,
+    FrameSource, LiveConfig, NoiseConfig, NoiseModel, ScanConfig, SimulatedObject, Simulation, SourceConfig,
+    TableRule, pose_of_rows,
 };
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -78,7 +78,8 @@ impl Robot {
         };
         let noise = ScanConfig::default().noise;
         let object_box = ScanConfig::default().object_box;
-        ScanConfig { object: "mug".to_owned(), live: Some(live), noise, object_box, ..self.config.clone() }
+        let source = SourceConfig::Live(live);
+        ScanConfig { object: "mug".to_owned(), source, noise, object_box, ..self.config.clone() }
     }
 
     /// The body that creates that scan.

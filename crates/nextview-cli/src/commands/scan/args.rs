@@ -5,10 +5,10 @@ use clap::{Args, ValueEnum};
 use glam::DVec3;
 use nextview::registration::RegistrationMode;
 use nextview::sensor::CameraAxes;
-use nextview_recording::{PoseDirection, ReadOptions};
+use nextview_recording::PoseDirection;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    BoxRule, NoiseModel, PlannerName, Profile, RecordingConfig, ScanConfig, SensorName, TableRule, UnitName,
+    BoxRule, NoiseModel, PlannerName, Profile, ScanConfig, SensorName, SourceConfig, TableRule, UnitName,
     ViewSpaceName, result_folder,
 };
 use std::path::PathBuf;
@@ -262,17 +262,14 @@ impl ScanArgs {
 
     fn scan(self) -> Result<(), Failure> {
         let mut config = self.configuration()?;
-        if self.model.is_some() {
-            config.recording = None;
+        if self.model.is_some() && config.source.recording().is_some() {
+            config.source = SourceConfig::Simulated;
         }
         set(&mut config.object, self.model.or(self.frames.clone()));
         self.recording.set(&mut config, self.frames.is_some())?;
         set(&mut config.planner, self.planner.map(Into::into));
         set(&mut config.most_surface.per_second, self.per_second.then_some(true));
-        set(&mut config.most_surface.theta, self.theta);
-        set(&mut config.max_flow.theta, self.theta);
-        set(&mut config.greedy.theta, self.theta);
-        set(&mut config.batch.theta, self.theta);
+        self.theta.into_iter().for_each(|theta| config.set_theta(theta));
         config.views = self.views.or(config.views);
         set(&mut config.candidates, self.candidates);
         set(&mut config.first_view, self.first_view);
@@ -355,27 +352,18 @@ impl RecordingArgs {
             ("truth", self.truth.is_some()),
             ("truth-from-world", self.truth_from_world.is_some()),
         ];
-        let recording = match config.recording.take() {
-            Some(recording) => recording,
-            None if is_recorded => RecordingConfig::default(),
-            None => {
-                let given = options.into_iter().find(|(_, is_given)| *is_given);
-                return given
-                    .map_or(Ok(()), |(name, _)| Err(Failure::usage(format!("--{name} needs --frames"))));
-            }
-        };
-        config.recording = Some(RecordingConfig {
-            box_m: self.box_m.or(recording.box_m),
-            table_z_m: self.table_z_m.or(recording.table_z_m),
-            truth: self.truth.or(recording.truth),
-            truth_from_world: self.truth_from_world.or(recording.truth_from_world),
-            read: ReadOptions {
-                pose_columns: self.pose_columns.or(recording.read.pose_columns),
-                camera_axes: self.camera_axes.unwrap_or(recording.read.camera_axes),
-                poses: self.poses.unwrap_or(recording.read.poses),
-                ..recording.read
-            },
-        });
+        if !is_recorded && config.source.recording().is_none() {
+            let given = options.into_iter().find(|(_, is_given)| *is_given);
+            return given.map_or(Ok(()), |(name, _)| Err(Failure::usage(format!("--{name} needs --frames"))));
+        }
+        let recording = config.source.to_recording()?;
+        recording.box_m = self.box_m.or(recording.box_m);
+        recording.table_z_m = self.table_z_m.or(recording.table_z_m);
+        recording.truth = self.truth.or(recording.truth.take());
+        recording.truth_from_world = self.truth_from_world.or(recording.truth_from_world.take());
+        recording.read.pose_columns = self.pose_columns.or(recording.read.pose_columns.take());
+        set(&mut recording.read.camera_axes, self.camera_axes);
+        set(&mut recording.read.poses, self.poses);
         Ok(())
     }
 }

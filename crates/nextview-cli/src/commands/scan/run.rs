@@ -6,7 +6,7 @@ use nextview_report::{heading, page_of_scan, step_line, summary_text};
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
     Begin, Fault, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanFolder, ScanJournal,
-    ScanRecord, ScanRun, SimulatedObject, Simulation, Truth, begin_results, write_results,
+    ScanRecord, ScanRun, SimulatedObject, Simulation, SourceConfig, Truth, begin_results, write_results,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -69,12 +69,10 @@ fn scan(
     journal: Option<ScanJournal>,
     output: &Output,
 ) -> Result<(String, ScanRecord), Failure> {
-    if config.live.is_some() {
-        Err(own_camera().into())
-    } else if config.recording.is_some() {
-        recorded(config, journal, output)
-    } else {
-        simulated(config, journal, output)
+    match &config.source {
+        SourceConfig::Simulated => simulated(config, journal, output),
+        SourceConfig::Recording(_) => recorded(config, journal, output),
+        SourceConfig::Live(_) => Err(own_camera().into()),
     }
 }
 

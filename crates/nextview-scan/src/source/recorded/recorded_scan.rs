@@ -39,7 +39,7 @@ impl RecordedScan {
     /// Opens the configured recording and completes the configuration: the camera, the number of views, the
     /// voxel size, whether the box grows.
     pub fn open(config: &mut ScanConfig) -> Result<Self, Faults> {
-        let Some(recording_config) = config.recording.clone() else {
+        let Some(recording_config) = config.source.recording().cloned() else {
             return Err(Fault::request("there is no `recording`").into());
         };
         let mut recording = Recording::open(Path::new(&config.object), &recording_config.read)?;
