@@ -336,17 +336,18 @@ mod tests {
         }
     }
 
+    fn leg_to_sum(_: &Situation<'_>, view: usize, n_views: usize) -> Result<Vec<Leg>, Cancelled> {
+        Ok(vec![Leg { choice: Choice::new(view + n_views, 0.0), expected: 1.0 }])
+    }
+
     #[test]
     fn the_fallback_answers_where_the_planner_has_nothing_to_say() {
         let camera = Intrinsics::d435i();
         let config = SessionConfig::new(0.02, Aabb::cube(DVec3::ZERO, 0.1));
         let views = fibonacci_sphere(DVec3::ZERO, 0.4, 10).unwrap();
-        let leg = |_: &Situation<'_>, view, n_views| {
-            Ok(vec![Leg { choice: Choice::new(view + n_views, 0.0), expected: 1.0 }])
-        };
         let mut session = Session::new(config, camera, views, Box::new(NoChoice))
             .unwrap()
-            .with_fallback(Fallback { view: Box::new(InOrder), legs: leg });
+            .with_fallback(Fallback { view: Box::new(InOrder), legs: leg_to_sum });
         let Decision::Move(first) = session.decide().unwrap() else { panic!("the first view is given") };
         let image = DepthImage::from_metres(640, 480, vec![f32::NAN; camera.n_pixels()]).unwrap();
         let frame = Frame::new(image, camera, first.world_from_camera, 1.0).unwrap();
