@@ -91,7 +91,7 @@ fn what_only_the_whole_shows_is_found_too() {
     );
     check(
         &of("[[variant]]\nlabel = \"{planer}\""),
-        &["line 5, column 1: variant 1 (\"{planer}\"): label \"{planer}\": {planer} is no value"],
+        &["line 5, column 1: variant 1 (\"{planer}\"): label \"{planer}\": {planer} is not a key"],
     );
     check(&of("[[variant]]\nlabel = \"{planner\""), &["a '{' without '}'"]);
     check(

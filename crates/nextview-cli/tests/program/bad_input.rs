@@ -248,7 +248,7 @@ fn specifications_with_faults() {
         ("[[variant]]\nsweep.views = []", &["sweep.views is empty"]),
         ("[[variant]]\nsweep.first_view = [1]", &["`first_view`", "`first_views`"]),
         ("[[variant]]\nsweep.\"greedy.gamma\" = [0, 1]", &["variant 1: ", "`gamma`", "`theta`"]),
-        ("[[variant]]\nlabel = \"{gamma}\"", &["{gamma} is no value"]),
+        ("[[variant]]\nlabel = \"{gamma}\"", &["{gamma} is not a key"]),
         ("[[variant]]\nlabel = \"{views\"", &["without '}'"]),
         (
             "[[variant]]\nscan.planner = \"local\"\nscan.stop.completeness = 0.9",
@@ -314,7 +314,7 @@ fn recordings_with_faults() {
     let parts = ["several sets of pose columns, given, other_camera: choose one as --pose-columns"];
     with("rec/poses.csv", twice.collect::<String>().into(), &parts);
     folder.refused(&["scan", "--frames", "missing"], DATA, &["missing: cannot be read"]);
-    folder.refused(&["scan", "--frames", "."], DATA, &["is no recording", "poses.csv"]);
+    folder.refused(&["scan", "--frames", "."], DATA, &["is not a recording", "poses.csv"]);
 }
 
 #[test]
