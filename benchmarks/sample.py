@@ -3,10 +3,10 @@
 
     benchmarks/sample.py target/release/nextview                   # a few entries of each table; exit code 1 if a digit differs
     benchmarks/sample.py target/release/nextview --turn 7          # the next ones: each turn takes those after the last turn's
-    benchmarks/sample.py target/release/nextview --count 5 --only map-rule paper-4
+    benchmarks/sample.py target/release/nextview --count 5 --only map-rule short-paper-1
     benchmarks/sample.py --list                                    # the tables, and how many entries they have
 
-A table is a page of docs and the specification that made it; an entry is one object with one planner. Its runs are those of
+A table is a file of docs and the specification that made it; an entry is one object with one planner. Its runs are those of
 the whole campaign, since an object's seeds do not depend on what else is run. With the number of commits as turn, as in .ci,
 every entry is measured at some time. The meshes are in the folder that NEXTVIEW_DATA names; without it the tables are
 SKIPPED, which is a failure if NEXTVIEW_REQUIRE_ALL is 1.
@@ -40,7 +40,7 @@ import settings
 
 @dataclasses.dataclass
 class Entry:
-    """A number of a page: of this object and variant, as printed."""
+    """A number of a file: of this object and variant, as printed."""
 
     name: str
     object: str
@@ -50,10 +50,10 @@ class Entry:
 
 @dataclasses.dataclass
 class Table:
-    """Entries of one page that one specification makes."""
+    """Entries of one file of docs that one specification makes."""
 
     name: str
-    page: str
+    file: str
     entries: Callable[[str], list[Entry]]
     specification: Callable[[str, Entry], str]
     value: Callable[[pathlib.Path], str]
@@ -61,55 +61,50 @@ class Table:
     count: int = 1
 
 
-# Entries as the pages print them.
+# Entries as the files print them.
 
 
-def cells(line):
-    """The cells of a line of a table, without what Markdown adds."""
-    return [cell.strip().replace("\\", "") for cell in re.split(r"(?<!\\)\|", line.strip().strip("|"))]
-
-
-def table(text, head):
-    """Head and rows of the first table whose head begins so."""
-    start = text.index(f"\n{head}") + 1
-    lines = itertools.takewhile(lambda line: line.startswith("|"), text[start:].splitlines())
-    head, _, *rows = map(cells, lines)
-    return head, rows
-
-
-def by_object(heading, head="| object |", only=None):
-    """Every cell of the first such table below a heading: objects by variants."""
+def of_rows(where, object, variant, printed):
+    """Entries of the rows of a CSV file that have these values."""
     def entries(text):
-        names, rows = table(text[text.index(heading):], head)
-        found = []
-        for row in rows:
-            if row[0].startswith("**"):
-                continue
-            name = row[0].split(" (")[0]
-            for variant, printed in zip(names[1:], row[1:]):
-                if not variant.startswith("paper: ") and only in (None, variant):
-                    found.append(Entry(f"{name}, {variant}", name, variant, printed))
-        return found
+        rows = csv.DictReader(text.splitlines())
+        found = [row for row in rows if all(row[key] == value for key, value in where.items())]
+        return [Entry(f"{row[object]}, {variant(row)}", row[object], variant(row), printed(row)) for row in found]
     return entries
+
+
+def objects(text):
+    """Every object's coverage with every variant, without means over objects and what the paper published."""
+    found = of_rows({}, "object", lambda row: row["variant"], lambda row: row["voxel_coverage_percent"])(text)
+    return [entry for entry in found if entry.object and not entry.variant.startswith("paper: ")]
+
+
+def lowest(setting):
+    """A setting's lowest object with each planner."""
+    return of_rows({"setting": setting}, "lowest_object", lambda row: row["variant"], lambda row: row["lowest_skill"])
 
 
 def of_default(setting):
-    """A setting's column of the table of the default planner."""
-    def entries(text):
-        found = by_object(f"## {settings.DEFAULT} on each object", only=setting)(text)
-        return [dataclasses.replace(entry, variant=settings.DEFAULT) for entry in found]
-    return entries
+    """A setting's objects with the default planner."""
+    printed = lambda row: f"{row['skill']} ({row['lowest_skill']} to {row['highest_skill']})"
+    return of_rows({"setting": setting}, "object", lambda row: settings.DEFAULT, printed)
 
 
-def lowest(heading, head, column, label="{}", without=()):
-    """The lowest objects of a table below a heading, by variant."""
+def within(reach):
+    """Every object with every planner, with the candidates within this reach."""
+    return of_rows({"reach": reach}, "object", lambda row: row["variant"], lambda row: row["surface_5mm_percent"])
+
+
+def of_reality(column):
+    """The lowest object of each planner in this column of the page's table, without random views."""
     def entries(text):
-        _, rows = table(text[text.index(heading):], head)
+        start = text.index("| | skill, mean | lowest |")
+        _, _, *lines = itertools.takewhile(lambda line: line.startswith("|"), text[start:].splitlines())
         found = []
-        for row in rows:
-            if row[0] not in without:
-                printed, name = row[column].removesuffix(")").split(" (")
-                found.append(Entry(f"{name}, {row[0]}", name, label.format(row[0]), printed))
+        for planner, *cells in ([cell.strip() for cell in line.strip("|").split("|")] for line in lines):
+            if planner != "random":
+                printed, name = cells[column].removesuffix(")").split(" (")
+                found.append(Entry(f"{name}, {planner}", name, f"{planner}, 2 mm", printed))
         return found
     return entries
 
@@ -157,21 +152,19 @@ def share_of_clairvoyant(out):
 COVERAGE = mean_percent("voxel_coverage")
 HEADLINE = ["5mm", "5mm-table-noise"]
 SIX = [setting for setting in settings.SETTINGS if setting not in HEADLINE]
-VOXELS = by_object("## Voxel coverage by object")
 TABLES = [
-    *(Table(f"headline-{setting}", f"planner/headline-{setting}.md", VOXELS, in_folder("headline", setting), COVERAGE)
+    *(Table(f"headline-{setting}", f"data/headline-{setting}/objects.csv", objects, in_folder("headline", setting), COVERAGE)
       for setting in HEADLINE),
-    *(Table(f"settings-{setting}", "planner/settings.md", lowest(f"\n## {setting}\n", "|  | skill | lowest |", 2),
-            in_folder("all", setting), skill)
+    *(Table(f"settings-{setting}", "data/settings.csv", lowest(setting), in_folder("all", setting), skill)
       for setting in settings.SETTINGS),
-    *(Table(f"default-{setting}", "planner/default.md", of_default(setting), in_folder("default", setting), skill_and_range)
+    *(Table(f"default-{setting}", "data/default-objects.csv", of_default(setting), in_folder("default", setting), skill_and_range)
       for setting in SIX),
     # Without random views: ten scans of each object take three minutes.
-    *(Table(f"reality-{name}", "reality.md", lowest("# Objects", "| | skill, mean | lowest |", column, "{}, 2 mm", ["random"]),
-            at_true_size, value) for name, column, value in [("skill", 2, skill), ("coverage", 4, share_of_clairvoyant)]),
-    Table("short-paper-1", "reproduction/short-paper-1.md", VOXELS, in_folder("short-paper-1"), COVERAGE, 2),
-    Table("map-rule", "reproduction/map-rule.md", VOXELS, in_folder("map-rule"), COVERAGE, 2),
-    *(Table(f"pb-nbv-{reach}", "reproduction/pb-nbv.md", by_object(f"\n## {reach}\n"),
+    *(Table(f"reality-{name}", "reality.md", of_reality(column), at_true_size, value)
+      for name, column, value in [("skill", 1, skill), ("coverage", 3, share_of_clairvoyant)]),
+    Table("short-paper-1", "data/short-paper-1/objects.csv", objects, in_folder("short-paper-1"), COVERAGE, 2),
+    Table("map-rule", "data/map-rule/objects.csv", objects, in_folder("map-rule"), COVERAGE, 2),
+    *(Table(f"pb-nbv-{reach}", "data/pb-nbv-objects.csv", within(reach),
             lambda program, _, reach=reach: protocols.specification(program, "pb-nbv", reach), mean_percent("surface_coverage_5mm"))
       for reach in ["whole", "hemisphere", "half"]),
 ]
@@ -267,9 +260,9 @@ def main():
     for of in TABLES:
         if options.only and of.name not in options.only:
             continue
-        entries = of.entries((DOCS / of.page).read_text(encoding="utf-8"))
+        entries = of.entries((DOCS / of.file).read_text(encoding="utf-8"))
         if options.list:
-            print(f"{of.name}: {len(entries)} entries in docs/{of.page}")
+            print(f"{of.name}: {len(entries)} entries in docs/{of.file}")
             continue
         for entry in turn_of(entries, options.turn, options.count or of.count, of.name):
             found = measured(str(pathlib.Path(options.program).resolve()), entry, of)

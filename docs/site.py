@@ -4,12 +4,13 @@
     docs/site.py                # with `mdbook` (cargo install mdbook --locked), or the program that MDBOOK names
 
 mdBook reads one folder, but pages are where readers of the sources look for them: README.md, docs, python, crates. This
-stages them at their places in target/site, with the files that they link to: a source becomes a page. Every link and
-anchor of the finished site is checked.
+stages them at their places in target/site, with the files that they link to: a source becomes a page, a CSV file a table.
+Every link and anchor of the finished site is checked.
 """
 
 from __future__ import annotations
 
+import csv
 import html.parser
 import os
 import re
@@ -62,6 +63,15 @@ def write(path: Path, text: str) -> None:
     (SITE / "src" / path).write_text(text, encoding="utf-8")
 
 
+def shown(path: Path) -> str:
+    """A file as Markdown: the rows of CSV as a table, anything else literally."""
+    text = (ROOT / path).read_text(encoding="utf-8")
+    if path.suffix != ".csv":
+        return f"````{LANGUAGES.get(path.suffix, 'text')}\n{text}````\n"
+    head, *rows = [[re.sub(r"[\\`*_<|]", r"\\\g<0>", cell) for cell in row] for row in csv.reader(text.splitlines())]
+    return "".join(f"| {' | '.join(row)} |\n" for row in [head, ["---"] * len(head), *rows])
+
+
 def stage_all() -> None:
     """All pages of the summary, and what they link to."""
     pages: set[Path] = set()
@@ -74,9 +84,8 @@ def stage_all() -> None:
         (SITE / "src" / path).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / path, SITE / "src" / path)
     for path in sources:
-        text = (ROOT / path).read_text(encoding="utf-8")
-        write(rename(path), f"# {path.name}\n\n`{path}`\n\n````{LANGUAGES.get(path.suffix, 'text')}\n{text}````\n")
-    rows = [f"- [{path.name}]({rename(path)})\n" for path in sources]
+        write(rename(path), f"# {path.name}\n\n`{path}`\n\n{shown(path)}")
+    rows = [f"- [{path.parent.name}/{path.name}]({rename(path)})\n" for path in sources]
     write(Path("SUMMARY.md"), summary + "\n# Files\n\n" + "".join(rows))
 
 

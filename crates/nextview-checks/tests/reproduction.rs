@@ -1,13 +1,13 @@
-//! The tables of the pages are those of the reports. `benchmarks/sample.py` checks that the reports are what
-//! today's program finds.
+//! The tables of the pages are those of the files in `docs/data`. `benchmarks/sample.py` checks that today's
+//! program finds what the files hold.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
 
 const PAGE: &str = include_str!("../../../docs/reproduction.md");
-const TABLE_1: &str = include_str!("../../../docs/reproduction/short-paper-1.md");
-const MAP_RULE: &str = include_str!("../../../docs/reproduction/map-rule.md");
 const README: &str = include_str!("../../../README.md");
 const RESULTS: &str = include_str!("../../../docs/results.md");
 const PLANNER: &str = include_str!("../../../docs/planner.md");
@@ -38,36 +38,78 @@ fn rows<'a>(text: &'a str, head: &str) -> BTreeMap<&'a str, Vec<&'a str>> {
     rows.map(|row| (row[0].trim_matches('*'), row[1..].to_vec())).collect()
 }
 
-/// The mean in a report's cell.
-fn mean(cell: &str) -> &str {
-    match cell.trim_start_matches("≥ ").split(' ').next().unwrap() {
-        "-0.00" => "0.00",
-        mean => mean,
+/// A row of a file, by the names of its columns.
+type Row = BTreeMap<String, String>;
+
+/// The rows of a file of `docs/data`.
+fn data(file: &str) -> Vec<Row> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/data").join(file);
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines().map(fields);
+    let head = lines.next().unwrap();
+    lines.map(|line| head.iter().cloned().zip(line).collect()).collect()
+}
+
+/// The fields of a line of CSV.
+fn fields(line: &str) -> Vec<String> {
+    let mut fields = vec![String::new()];
+    let mut is_quoted = false;
+    for c in line.chars() {
+        match c {
+            '"' => is_quoted = !is_quoted,
+            ',' if !is_quoted => fields.push(String::new()),
+            c => fields.last_mut().unwrap().push(c),
+        }
     }
+    fields
 }
 
-/// The mean of views in a report's cell, still marked where it is a lower bound.
-fn views(cell: &str) -> String {
-    format!("{}{}", if cell.starts_with('≥') { "≥ " } else { "" }, mean(cell))
+/// A measure of a campaign's variant.
+fn statistic<'r>(rows: &'r [Row], variant: &str, measure: &str) -> &'r Row {
+    let is_it = |row: &&Row| row["variant"] == variant && row["measure"] == measure;
+    rows.iter().find(is_it).unwrap_or_else(|| panic!("there is no {measure} of {variant}"))
 }
 
-/// The mean in a report's cell and its interval.
-fn mean_and_interval(cell: &str) -> String {
-    let (_, interval) = cell.split_once(' ').unwrap();
-    format!("{} {})", mean(cell), interval.split(", median").next().unwrap())
+/// The mean as the pages print it.
+fn mean(row: &Row) -> String {
+    unsigned(&row["value"])
 }
 
-/// Final coverage of one variant less that of another in a report, points, by data set.
-fn differences(report: &str, variant: &str, other: &str) -> BTreeMap<&'static str, Vec<f64>> {
-    let (_, report) = report.split_once("## Voxel coverage by object").unwrap();
-    let rows = table(report, "| object |");
-    let column = |name: &str| rows[0].iter().position(|cell| *cell == name).unwrap();
-    let (variant, other) = (column(variant), column(other));
+/// Zero without a sign.
+fn unsigned(number: &str) -> String {
+    if number == "-0.00" { "0.00".to_owned() } else { number.to_owned() }
+}
+
+/// The mean of views, marked where it is a lower bound.
+fn views(row: &Row) -> String {
+    let is_bound = row["n_reaching"] != row["n_objects"];
+    format!("{}{}", if is_bound { "≥ " } else { "" }, mean(row))
+}
+
+/// The mean and its interval.
+fn mean_and_interval(row: &Row) -> String {
+    format!("{} ({} to {})", mean(row), row["low"], row["high"])
+}
+
+/// The worst object.
+fn worst(row: &Row) -> String {
+    format!("{} ({})", row["worst"], row["worst_object"])
+}
+
+/// Final coverage of one variant less that of another in a campaign, points, by data set.
+fn differences(campaign: &str, variant: &str, other: &str) -> BTreeMap<&'static str, Vec<f64>> {
+    let rows = data(&format!("{campaign}/objects.csv"));
+    let mut by_object = BTreeMap::<&str, [Option<f64>; 2]>::new();
+    for row in rows.iter().filter(|row| !row["object"].is_empty()) {
+        let percent = row["voxel_coverage_percent"].parse().unwrap();
+        for (i, name) in [variant, other].into_iter().enumerate().filter(|(_, name)| row["variant"] == *name)
+        {
+            assert!(by_object.entry(&row["object"]).or_default()[i].replace(percent).is_none(), "{name}");
+        }
+    }
     let mut by_set = BTreeMap::<_, Vec<f64>>::new();
-    for row in rows[1..].iter().filter(|row| !row[0].starts_with("**")) {
-        let object = row[0].split(" (").next().unwrap().replace('\\', "");
-        let percent = |column: usize| row[column].parse::<f64>().unwrap();
-        by_set.entry(data_set(&object)).or_default().push(percent(variant) - percent(other));
+    for (object, [variant, other]) in by_object {
+        by_set.entry(data_set(object)).or_default().push(variant.unwrap() - other.unwrap());
     }
     let of = |sets: &[&str]| -> Vec<f64> {
         sets.iter().filter_map(|set| by_set.get(set)).flatten().copied().collect()
@@ -79,8 +121,8 @@ fn differences(report: &str, variant: &str, other: &str) -> BTreeMap<&'static st
 }
 
 #[test]
-fn the_advantage_over_random_views_is_that_of_the_report() {
-    let differences = differences(MAP_RULE, "hits only, rays fade", "random, hits only");
+fn the_advantage_over_random_views_is_that_of_the_data() {
+    let differences = differences("map-rule", "hits only, rays fade", "random, hits only");
     let said = table(PAGE, "| max-flow less random views, after ten views |");
     assert_eq!(said.len(), 3);
     for row in &said[1..] {
@@ -97,14 +139,14 @@ fn the_advantage_over_random_views_is_that_of_the_report() {
 
 /// Of every map rule and of every fading of rays, against random views in maps of the same rule.
 #[test]
-fn differences_by_map_rule_are_those_of_the_report() {
+fn differences_by_map_rule_are_those_of_the_data() {
     let rows = table(PAGE, "| | hits only | carved |");
     assert_eq!(rows.len(), 5);
     for row in &rows[1..] {
         let (set, rays) = row[0].split_once(", ").unwrap();
         let set = if set.starts_with("Stanford") { "both: the paper's data sets" } else { set };
         for (map, cell) in rows[0][1..].iter().zip(&row[1..]) {
-            let differences = differences(MAP_RULE, &format!("{map}, {rays}"), &format!("random, {map}"));
+            let differences = differences("map-rule", &format!("{map}, {rays}"), &format!("random, {map}"));
             let mean = differences[set].iter().sum::<f64>() / differences[set].len() as f64;
             let said: f64 = cell.trim_matches('*').split(' ').next().unwrap().parse().unwrap();
             assert!((said - mean).abs() <= 0.06, "{row:?}: {mean}");
@@ -114,16 +156,17 @@ fn differences_by_map_rule_are_those_of_the_report() {
 
 /// Every planner in the paper's protocol, on the page of the reproduction and in docs/results.md.
 #[test]
-fn table_1_is_that_of_its_report() {
-    let reached = rows(TABLE_1, "| variant | objects | voxel coverage, % |");
-    let has = rows(TABLE_1, "| variant | precision of the map, % |");
+fn table_1_is_that_of_the_data() {
+    let measured = data("short-paper-1/statistics.csv");
     let said = rows(PAGE, "| | coverage, % | skill | median |");
-    assert_eq!((said.len(), reached.len()), (27, 27));
+    let variants: BTreeSet<&String> = measured.iter().map(|row| &row["variant"]).collect();
+    assert_eq!((said.len(), variants.len()), (27, 27));
     for (name, said) in &said {
-        let (reached, has) = (&reached[name], &has[name]);
-        let skill = format!("{}, median {})", said[1].trim_end_matches(')'), said[2]);
-        assert_eq!(skill, reached[3], "{name}");
-        let means = [reached[1], reached[2], has[2]].map(mean);
+        let of = |measure| statistic(&measured, name, measure);
+        let skill = of("skill");
+        assert_eq!([said[1], said[2]], [mean_and_interval(skill), skill["median"].clone()], "{name}");
+        let means = ["voxel coverage, %", "reachable coverage, %", "IoU of the map, %"]
+            .map(|measure| mean(of(measure)));
         assert_eq!([said[0], said[3], said[4]], means, "{name}");
     }
     let results = rows(RESULTS, "| planner | voxel coverage, % | skill |");
@@ -137,90 +180,96 @@ fn table_1_is_that_of_its_report() {
 }
 
 const PROTOCOLS: &str = include_str!("../../../docs/protocols.md");
-const PB_NBV: &str = include_str!("../../../docs/reproduction/pb-nbv.md");
-
-/// By planner, the mean with its interval in this space.
-fn pb_nbv(space: &str) -> BTreeMap<&'static str, &'static str> {
-    let (_, report) = PB_NBV.split_once(&format!("\n## {space}\n")).unwrap();
-    table(report, "| planner |")[1..].iter().map(|row| (row[0], row[1])).collect()
-}
+const REACHES: [&str; 3] = ["whole", "hemisphere", "half"];
 
 /// All planners under the protocol of PB-NBV, and beside what that publishes.
 #[test]
-fn the_protocol_of_pb_nbv_is_that_of_its_report() {
-    let spaces = ["whole", "hemisphere", "half"].map(pb_nbv);
+fn the_protocol_of_pb_nbv_is_that_of_the_data() {
+    let rows = data("pb-nbv.csv");
+    let measured = |reach: &str, variant: &str| {
+        let row = rows.iter().find(|row| row["reach"] == reach && row["variant"] == variant).unwrap();
+        let [mean, low, high] = ["", "_low", "_high"].map(|part| &row[&format!("surface_5mm{part}_percent")]);
+        format!("{mean} ({low} to {high})")
+    };
     let all = table(PROTOCOLS, "| | all around | upper hemisphere | half |");
-    assert_eq!(all.len(), 27);
+    assert_eq!((all.len(), rows.len()), (27, 78));
     for row in &all[1..] {
-        assert_eq!(row[1..], spaces.each_ref().map(|space| space[row[0]]), "{}", row[0]);
+        assert_eq!(row[1..], REACHES.map(|reach| measured(reach, row[0])), "{}", row[0]);
     }
     for row in &table(PROTOCOLS, "| % of the surface after ten views |")[1..] {
-        let space = all[0][1..].iter().position(|space| row[3].starts_with(space));
+        let reach = all[0][1..].iter().position(|reach| row[3].starts_with(reach));
         let name = if row[0].starts_with("max-flow") { row[0].to_owned() } else { row[0].to_lowercase() };
-        assert_eq!(row[2], space.map_or("-", |space| spaces[space][&*name]), "{row:?}");
+        let here = reach.map_or("-".to_owned(), |reach| measured(REACHES[reach], &name));
+        assert_eq!(row[2], here, "{row:?}");
     }
 }
 
 /// The objects that no planner was developed with, under the protocol of PB-NBV.
 #[test]
-fn the_means_over_test_objects_are_those_of_the_report() {
+fn the_means_over_test_objects_are_those_of_the_data() {
     const OBJECTS: [&str; 5] =
         ["lm_obj_000001_ape", "lm_obj_000012_holepuncher", "bunny", "dragon", "xyzrgb_dragon"];
+    let rows = data("pb-nbv-objects.csv");
     let said = table(PROTOCOLS, "| mean over five test objects, % |");
-    for (column, space) in ["whole", "hemisphere", "half"].into_iter().enumerate() {
-        let (_, report) = PB_NBV.split_once(&format!("\n## {space}\n")).unwrap();
-        let by_object = table(report, "| object |");
-        for row in &said[1..] {
-            let planner = by_object[0].iter().position(|name| *name == row[0]).unwrap();
-            let shares = by_object.iter().filter(|cells| OBJECTS.contains(&cells[0]));
-            let mean = shares.map(|cells| cells[planner].parse::<f64>().unwrap()).sum::<f64>() / 5.0;
-            // The report's entries are rounded, too.
-            let said: f64 = row[column + 1].parse().unwrap();
-            assert!((said - mean).abs() < 0.1 + 1e-9, "{}, {space}: {said}, {mean}", row[0]);
+    for (column, reach) in REACHES.into_iter().enumerate() {
+        for said in &said[1..] {
+            let of_planner = rows.iter().filter(|row| row["reach"] == reach && row["variant"] == said[0]);
+            let of_objects = of_planner.filter(|row| OBJECTS.contains(&&*row["object"]));
+            let shares: Vec<f64> =
+                of_objects.map(|row| row["surface_5mm_percent"].parse().unwrap()).collect();
+            assert_eq!(shares.len(), 5);
+            let mean = shares.iter().sum::<f64>() / 5.0;
+            // The entries of the data are rounded, too.
+            let share: f64 = said[column + 1].parse().unwrap();
+            assert!((share - mean).abs() < 0.1 + 1e-9, "{}, {reach}: {share}, {mean}", said[0]);
         }
     }
 }
 
 /// All planners under the protocol of ObjView-Bench.
 #[test]
-fn the_protocol_of_objview_is_that_of_its_report() {
-    let report = include_str!("../../../docs/reproduction/objview.md");
-    let report = table(report, "| planner |");
-    let first = |cell: &'static str| cell.split(' ').next().unwrap();
-    let measured = report[1..].iter().map(|row| {
-        let share = |column: usize| format!("{} ({})", first(row[column]), first(row[column + 1]));
-        (row[0], [share(1), share(3), share(5), row[11].to_owned()])
-    });
-    let measured: BTreeMap<_, _> = measured.collect();
+fn the_protocol_of_objview_is_that_of_the_data() {
+    let measured = data("objview.csv");
     let said = table(PROTOCOLS, "| | NSC@.02 after 5 moves, % |");
     assert_eq!((said.len(), measured.len()), (27, 26));
-    for row in &said[1..] {
-        assert_eq!(row[1..], measured[row[0]], "{}", row[0]);
+    for said in &said[1..] {
+        let row = measured.iter().find(|row| row["variant"] == said[0]).unwrap();
+        let share = |n_moves: usize| {
+            let [mean, lowest] =
+                ["", "_lowest"].map(|part| &row[&format!("nsc_02_after_{n_moves}{part}_percent")]);
+            format!("{mean} ({lowest})")
+        };
+        assert_eq!(
+            said[1..],
+            [share(5), share(10), share(30), row["path_after_10_radii"].clone()],
+            "{}",
+            said[0]
+        );
     }
 }
 
-/// All planners in eight settings.
-const SETTINGS: &str = include_str!("../../../docs/planner/settings.md");
-
-/// A setting of the campaign of all planners.
-fn of_setting(heading: &str) -> BTreeMap<&'static str, Vec<&'static str>> {
-    let (_, report) = SETTINGS.split_once(&format!("\n## {heading}\n")).unwrap();
-    rows(report, "|  | skill | lowest |")
+/// The rows of a file by setting and variant.
+fn by_setting(file: &str) -> BTreeMap<(String, String), Row> {
+    data(file).into_iter().map(|row| ((row["setting"].clone(), row["variant"].clone()), row)).collect()
 }
 
+/// A setting as the data name it.
+fn setting(said: &str) -> String {
+    said.replace(" mm", "mm").replace(" cm", "cm").replace(", ", "-")
+}
+
+/// All planners in eight settings.
 #[test]
 fn the_planners_are_said_to_be_what_was_measured() {
     let (_, page) = PLANNER.split_once("## All planners").unwrap();
     let all = table(page, "| | 5 mm | 1 cm |");
-    assert_eq!((all.len(), all[0].len()), (27, 9));
-    for (column, setting) in all[0].iter().enumerate().skip(1) {
-        let heading = setting.replace(" mm", "mm").replace(" cm", "cm").replace(", ", "-");
-        let measured = of_setting(&heading);
-        assert_eq!(measured.len() + 1, all.len());
+    let measured = by_setting("settings.csv");
+    assert_eq!((all.len(), all[0].len(), measured.len()), (27, 9, 26 * 8));
+    for (column, heading) in all[0].iter().enumerate().skip(1) {
         for row in &all[1..] {
-            let of = &measured[row[0]];
-            let said = format!("{} ({})", mean(of[0]), of[1].split(' ').next().unwrap());
-            assert_eq!(row[column], said, "{}, {setting}", row[0]);
+            let of = &measured[&(setting(heading), row[0].to_owned())];
+            let said = format!("{} ({})", unsigned(&of["skill"]), of["lowest_skill"]);
+            assert_eq!(row[column], said, "{}, {heading}", row[0]);
         }
     }
 }
@@ -228,38 +277,38 @@ fn the_planners_are_said_to_be_what_was_measured() {
 /// The default planner with five first views in six settings.
 #[test]
 fn the_default_planner_is_said_to_be_what_was_measured() {
-    const DEFAULT: &str = include_str!("../../../docs/planner/default.md");
     let said = rows(PLANNER, "| most-surface | skill | lowest | views to 95 % |");
-    assert_eq!(said.len(), 6);
-    for (setting, said) in said {
-        let heading = setting.replace(" mm", "mm").replace(" cm", "cm").replace(", ", "-");
-        let (_, report) = DEFAULT.split_once(&format!("\n## {heading}\n")).unwrap();
-        let measured = rows(report, "|  | skill | lowest |").remove("most-surface").unwrap();
-        let measured: Vec<String> = measured.iter().map(|cell| cell.replace('\\', "")).collect();
-        assert_eq!(said[..4], measured[..4], "{setting}");
+    let measured = by_setting("default.csv");
+    assert_eq!((said.len(), measured.len()), (6, 6));
+    for (heading, said) in said {
+        let of = &measured[&(setting(heading), "most-surface".to_owned())];
+        let skill = format!("{} ({} to {})", of["skill"], of["skill_low"], of["skill_high"]);
+        let lowest = format!("{} ({})", of["lowest_skill"], of["lowest_object"]);
+        let others = [&of["views_to_95"], &of["reachable_coverage_percent"]];
+        assert_eq!(said[..2], [skill, lowest], "{heading}");
+        assert_eq!(said[2..4], others, "{heading}");
     }
 }
 
-/// The reports of the campaigns at the beginning of README.md and docs/results.md.
-const HEADLINE: [&str; 2] = [
-    include_str!("../../../docs/planner/headline-5mm.md"),
-    include_str!("../../../docs/planner/headline-5mm-table-noise.md"),
-];
+/// The campaigns at the beginning of README.md and docs/results.md.
+fn headline() -> [Vec<Row>; 2] {
+    ["headline-5mm", "headline-5mm-table-noise"].map(|name| data(&format!("{name}/statistics.csv")))
+}
 
 #[test]
 fn the_readme_says_what_was_measured() {
     let readme = rows(README, "| planner | views to 95 %, all around |");
     assert!(["random", "even-views"].iter().all(|name| readme.contains_key(name)));
-    let until = rows(HEADLINE[0], "| variant | 90 % | 95 % | 99 % |");
-    let reached = HEADLINE.map(|report| rows(report, "| variant | objects | voxel coverage, % |"));
+    let measured = headline();
     let reality = rows(include_str!("../../../docs/reality.md"), "| | skill, mean | lowest |");
     for (name, said) in readme {
         let said: Vec<_> = said.iter().map(|cell| cell.trim_matches('*')).collect();
         let name = name.split([':', ',']).next().unwrap();
-        let [around, noisy] = [0, 1].map(|setting: usize| mean(reached[setting][name][3]));
+        let until = views(statistic(&measured[0], name, "views to 95 %"));
+        let [around, noisy] = measured.each_ref().map(|rows| mean(statistic(rows, name, "skill")));
         let share = reality.get(name).map(|row| 100.0 * row[2].parse::<f64>().unwrap());
         let share = share.map(|share| format!("{share:.1}")).unwrap_or_default();
-        assert_eq!(said[..4], [&*views(until[name][1]), around, noisy, &share], "{name}");
+        assert_eq!(said[..4], [until, around, noisy, share], "{name}");
     }
 }
 
@@ -268,22 +317,19 @@ fn the_readme_says_what_was_measured() {
 fn the_first_tables_are_those_of_the_campaigns() {
     let results = rows(RESULTS, "| planner | 5 mm, all around | lowest |");
     let (_, mut page) = PLANNER.split_once("## Beside other planners").unwrap();
-    for (setting, report) in HEADLINE.into_iter().enumerate() {
-        let reached = rows(report, "| variant | objects | voxel coverage, % |");
-        let (_, worst) = report.split_once("The worst object").unwrap();
-        let worst = rows(worst, "| variant | voxel coverage, % |");
-        let until = rows(report, "| variant | 90 % | 95 % | 99 % |");
-        let has = rows(report, "| variant | precision of the map, % |");
+    for (setting, measured) in headline().iter().enumerate() {
         let said = rows(page, "| | skill | median | lowest |");
         page = page.split_once("| | skill | median | lowest |").unwrap().1;
         assert!(said.len() >= 7 && said.len() == results.len());
         for (name, said) in said {
-            let skill = [mean_and_interval(reached[name][3]), worst[name][2].replace('\\', "")];
-            assert_eq!([said[0], said[2]], skill, "{name}, {setting}");
-            assert_eq!(results[name][2 * setting..][..2], skill, "{name}, {setting}");
-            let others = until[name].iter().map(|cell| views(cell));
-            let others = others.chain([reached[name][2], has[name][2]].map(|cell| mean(cell).to_owned()));
-            assert_eq!(said[3..8], others.collect::<Vec<_>>(), "{name}, {setting}");
+            let of = |measure: &str| statistic(measured, name, measure);
+            let skill = of("skill");
+            let [mean_skill, lowest] = [mean_and_interval(skill), worst(skill)];
+            assert_eq!(said[..3], [&*mean_skill, &*skill["median"], &*lowest], "{name}, {setting}");
+            assert_eq!(results[name][2 * setting..][..2], [mean_skill, lowest], "{name}, {setting}");
+            let until = ["90", "95", "99"].map(|share| views(of(&format!("views to {share} %"))));
+            let others = ["reachable coverage, %", "IoU of the map, %"].map(|measure| mean(of(measure)));
+            assert_eq!(said[3..8], [&until[..], &others[..]].concat(), "{name}, {setting}");
         }
     }
 }
