@@ -140,7 +140,7 @@ def skill(out):
 
 
 def skill_and_range(out):
-    return settings.spread(values(out, "skill"))
+    return "{} ({} to {})".format(*settings.spread(values(out, "skill")))
 
 
 def share_of_clairvoyant(out):

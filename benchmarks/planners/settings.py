@@ -5,13 +5,13 @@
     benchmarks/planners/settings.py target/release/nextview OUT MESH ... --only 5mm 5mm-table-noise
     benchmarks/planners/settings.py target/release/nextview OUT MESH ... --spec headline         # another file of this folder
 
-Each setting is a campaign in OUT with its report. OUT/settings.md has the tables of all settings.
+Each setting is a campaign in OUT with its report. OUT/settings.csv has all settings, OUT/settings-objects.csv the default
+planner on each object. docs/tables.md explains the columns.
 """
 
 import argparse
 import csv
 import pathlib
-import re
 import statistics
 import subprocess
 import sys
@@ -28,72 +28,56 @@ SETTINGS = {
 
 
 def run(program, campaign, spec, meshes):
-    """The report of a campaign, which is run or resumed first."""
+    """By variant and measure, the statistics of a campaign, which is run or resumed first."""
     command = ["bench", "--resume", "--out", campaign] if campaign.exists() else ["bench", spec, *meshes, "--out", campaign]
     if subprocess.run([program, *command]).returncode != 0:
         sys.exit(f"{campaign}: the campaign did not run, or some of its runs failed")
     subprocess.run([program, "report", campaign], check=True, stdout=subprocess.DEVNULL)
-    return (campaign / "report.md").read_text(encoding="utf-8")
+    return {(row["variant"], row["measure"]): row for row in rows_of(campaign / "statistics.csv")}
 
 
-def table(report, caption, columns):
-    """By variant, the cells of these columns in the report's table below a caption."""
-    lines = report[report.index(caption):].split("\n\n")[1].splitlines()
-    head, _, *rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip("|"))] for line in lines]
-    return {row[0]: [row[head.index(column)] for column in columns] for row in rows}
+def rows_of(path):
+    """The rows of a CSV table."""
+    return list(csv.DictReader(open(path, encoding="utf-8")))
 
 
-def with_interval(cell):
-    """A cell of the report without its median."""
-    return cell.split(", median")[0] + ")"
+def write(path, rows):
+    """Writes rows with the same columns as a CSV table."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
 
 
-def measures(report):
-    """By variant, the cells of a setting's table."""
-    reached = table(report, "Results after the last view", ["skill", "reachable coverage, %"])
-    lowest = table(report, "The worst object", ["skill"])
-    views = table(report, "Views until this share", ["95 %"])
-    model = table(report, "Final map and cloud", ["F-score of the cloud at 2 mm, %", "Chamfer distance of the cloud, mm"])
-    mean = lambda cell: re.match("(≥ )?[^ ]*", cell)[0]
+def measures(setting, variant, found):
+    """A row of the table of settings."""
+    skill = found[variant, "skill"]
     return {
-        name: [with_interval(skill), *lowest[name], mean(*views[name]), mean(coverage), *map(mean, model[name])]
-        for name, (skill, coverage) in reached.items()
+        "setting": setting,
+        "variant": variant,
+        "skill": skill["value"],
+        "skill_low": skill["low"],
+        "skill_high": skill["high"],
+        "lowest_skill": skill["worst"],
+        "lowest_object": skill["worst_object"],
+        "views_to_95": found[variant, "views to 95 %"]["value"],
+        "reachable_coverage_percent": found[variant, "reachable coverage, %"]["value"],
     }
-
-
-def skills_by_object(campaign, variant):
-    """By object, the skill of each run of a variant."""
-    found = {}
-    for row in csv.DictReader(open(campaign / "runs.csv", encoding="utf-8")):
-        if row["variant"] == variant:
-            found.setdefault(row["object"], []).append(float(row["skill"]))
-    return found
 
 
 def spread(skills):
     """Mean, lowest and highest."""
-    return f"{statistics.mean(skills):.2f} ({min(skills):.2f} to {max(skills):.2f})"
+    return [f"{value:.2f}" for value in (statistics.mean(skills), min(skills), max(skills))]
 
 
-def rows(head, body):
-    """The lines of a table."""
-    return ["| " + " | ".join(head) + " |", "|---|" + "---:|" * (len(head) - 1), *(f"| {' | '.join(row)} |" for row in body)]
-
-
-def page(found, by_object):
-    """All settings side by side, each by itself, and the default planner on each object, as Markdown."""
-    variants = sorted(next(iter(found.values())), key=lambda name: -float(next(iter(found.values()))[name][0].split(" ")[0]))
-    lines = rows(["", *found], [
-        [name, *(f"{of[name][0]}, {of[name][1].split(' ')[0]}" for of in found.values())] for name in variants
-    ])
-    head = ["", "skill", "lowest", "views to 95 %", "reachable coverage, %", "F-score 2 mm, %", "Chamfer, mm"]
-    for setting, of in found.items():
-        lines += ["", f"## {setting}", "", *rows(head, [[name, *of[name]] for name in variants])]
-    objects = next(iter(by_object.values()))
-    lines += ["", f"## {DEFAULT} on each object: mean, lowest and highest of its runs", "", *rows(
-        ["object", *by_object], [[name, *(spread(of[name]) for of in by_object.values())] for name in objects]
-    )]
-    return "\n".join(lines) + "\n"
+def on_objects(setting, campaign):
+    """The default planner on each object: a row of the table of objects."""
+    found = {}
+    for row in rows_of(campaign / "runs.csv"):
+        if row["variant"] == DEFAULT:
+            found.setdefault(row["object"], []).append(float(row["skill"]))
+    columns = ["setting", "object", "skill", "lowest_skill", "highest_skill"]
+    return [dict(zip(columns, [setting, name, *spread(skills)])) for name, skills in found.items()]
 
 
 def main():
@@ -108,14 +92,19 @@ def main():
         parser.error("a table with the lowest skill needs at least two meshes")
     options.out.mkdir(parents=True, exist_ok=True)
     variants = (HERE / f"{options.spec}.toml").read_text(encoding="utf-8")
-    found, by_object = {}, {}
+    of_settings, of_objects = [], []
     for setting in options.only:
-        spec = options.out / f"{setting}.toml"
+        spec, campaign = options.out / f"{setting}.toml", options.out / setting
         spec.write_text(variants.replace("[scan]\n", f"[scan]\n{SETTINGS[setting]}"), encoding="utf-8")
-        found[setting] = measures(run(options.program, options.out / setting, spec, options.meshes))
-        by_object[setting] = skills_by_object(options.out / setting, DEFAULT)
-        (options.out / "settings.md").write_text(page(found, by_object), encoding="utf-8")
-    print(options.out / "settings.md")
+        found = run(options.program, campaign, spec, options.meshes)
+        # All settings have the order of the first.
+        order = [row["variant"] for row in of_settings] or [name for name, measure in found if measure == "skill"]
+        of_setting = [measures(setting, name, found) for name in dict.fromkeys(order)]
+        of_settings += of_setting if of_settings else sorted(of_setting, key=lambda row: -float(row["skill"]))
+        of_objects += on_objects(setting, campaign)
+        write(options.out / "settings.csv", of_settings)
+        write(options.out / "settings-objects.csv", of_objects)
+    print(options.out / "settings.csv")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,8 @@
     benchmarks/protocols/protocols.py target/release/nextview OUT objview MESH...                     # resumes an unfinished campaign
     benchmarks/protocols/protocols.py target/release/nextview OUT pb-nbv MESH... --reach half hemisphere
 
-Runs the built-in specification of that name, with the candidates that are within each reach, and writes OUT/PROTOCOL.md.
+Runs the built-in specification of that name, with the candidates that are within each reach, and writes OUT/PROTOCOL.csv and,
+for PB-NBV, OUT/pb-nbv-objects.csv. docs/tables.md explains the columns.
 """
 
 import argparse
@@ -64,15 +65,10 @@ def specification(program, protocol, reach):
     return text.replace("scan.views = 360", f"scan.views = {len(left)}")
 
 
-def rows_of(path):
-    """The rows of a CSV table."""
-    return list(csv.DictReader(open(path, encoding="utf-8")))
-
-
 def steps_of(campaign):
     """By variant and object, the steps of each run in order."""
     found = {}
-    for row in rows_of(campaign / "steps.csv"):
+    for row in settings.rows_of(campaign / "steps.csv"):
         run = (row["seed"], row["view_seed"], row["first_view"])
         found.setdefault(row["variant"], {}).setdefault(row["object"], {}).setdefault(run, []).append(row)
     return found
@@ -88,53 +84,57 @@ def by_object(runs_of_object, value):
     return {name: statistics.mean(value(name, steps) for steps in runs.values()) for name, runs in runs_of_object.items()}
 
 
-def lowest(share):
+def lowest(share, name="lowest"):
     """The lowest object, in %."""
-    name = min(share, key=share.get)
-    return f"{100 * share[name]:.1f} ({name})"
+    object = min(share, key=share.get)
+    return {f"{name}_percent": f"{100 * share[object]:.1f}", f"{name}_object": object}
 
 
-def objview(campaign, _):
+def objview(reach, campaign, _):
     """Mean and lowest object of SC and NSC at tolerances of 0.01 and 0.02 of the radius, and the path in radii."""
     found = steps_of(campaign)
     all_views = {name: next(iter(runs.values()))[-1] for name, runs in found.pop("all views").items()}
-    columns = [*(f"NSC@.02 after {n} moves" for n in MOVES), f"NSC@.01 after {MOVES[-1]}", f"SC@.02 after {MOVES[-1]}"]
-    head = ["planner", *(name for column in columns for name in (f"{column}, %", "lowest")), f"path after {MOVES[1]}, radii"]
-    body = []
+    rows = []
     for variant, objects in found.items():
         def normalised(n_moves, key):
             return by_object(objects, lambda name, steps: after(steps, n_moves + 1, key) / float(all_views[name][key]))
-        shares = [normalised(n, "surface_coverage_2mm") for n in MOVES]
-        shares.append(normalised(MOVES[-1], "surface_coverage_1mm"))
-        shares.append(by_object(objects, lambda _, steps: after(steps, MOVES[-1] + 1, "surface_coverage_2mm")))
+        shares = {f"nsc_02_after_{n}": normalised(n, "surface_coverage_2mm") for n in MOVES}
+        shares[f"nsc_01_after_{MOVES[-1]}"] = normalised(MOVES[-1], "surface_coverage_1mm")
+        last = lambda _, steps: after(steps, MOVES[-1] + 1, "surface_coverage_2mm")
+        shares[f"sc_02_after_{MOVES[-1]}"] = by_object(objects, last)
         path = by_object(objects, lambda _, steps: after(steps, MOVES[1] + 1, "trajectory_length_m") / UNIT_M)
-        cells = [variant]
-        for share in shares:
-            cells += [f"{100 * statistics.mean(share.values()):.1f}", lowest(share)]
-        body.append([*cells, f"{statistics.mean(path.values()):.1f}"])
-    return settings.rows(head, body)
+        row = {"reach": reach, "variant": variant}
+        for name, share in shares.items():
+            row |= {f"{name}_percent": f"{100 * statistics.mean(share.values()):.1f}", **lowest(share, f"{name}_lowest")}
+        rows.append(row | {f"path_after_{MOVES[1]}_radii": f"{statistics.mean(path.values()):.1f}"})
+    return {"objview": rows}
 
 
-def pb_nbv(campaign, report):
+def pb_nbv(reach, campaign, found):
     """The share of the surface with a point within 5 mm, the time of a decision, and the share of each object."""
     times = {}
-    for row in rows_of(campaign / "times.csv"):
+    for row in settings.rows_of(campaign / "times.csv"):
         if row["step"] not in ("", "1"):
             times.setdefault(row["variant"], []).append(float(row["plan_time_ms"]))
-    reached = settings.table(report, "Results after the last view", ["surface coverage within 5 mm, %"])
-    head = ["planner", "surface within 5 mm after 10 views, %", "lowest", "median time of a decision, ms"]
-    found = steps_of(campaign)
-    last = {variant: by_object(objects, lambda _, steps: float(steps[-1]["surface_coverage_5mm"])) for variant, objects in found.items()}
-    return [
-        *settings.rows(head, [
-            [variant, settings.with_interval(*reached[variant]), lowest(last[variant]), f"{statistics.median(times[variant]):.0f}"]
-            for variant in found
-        ]),
-        "", "The same by object, %:", "",
-        *settings.rows(["object", *found], [
-            [name, *(f"{100 * last[variant][name]:.1f}" for variant in found)] for name in next(iter(last.values()))
-        ]),
+    steps = steps_of(campaign)
+    last = {variant: by_object(objects, lambda _, steps: float(steps[-1]["surface_coverage_5mm"])) for variant, objects in steps.items()}
+    rows = []
+    for variant, share in last.items():
+        reached = found[variant, "surface coverage within 5 mm, %"]
+        rows.append({
+            "reach": reach,
+            "variant": variant,
+            "surface_5mm_percent": reached["value"],
+            "surface_5mm_low_percent": reached["low"],
+            "surface_5mm_high_percent": reached["high"],
+            **lowest(share),
+            "plan_time_median_ms": f"{statistics.median(times[variant]):.0f}",
+        })
+    objects = [
+        {"reach": reach, "object": name, "variant": variant, "surface_5mm_percent": f"{100 * last[variant][name]:.1f}"}
+        for name in next(iter(last.values())) for variant in last
     ]
+    return {"pb-nbv": rows, "pb-nbv-objects": objects}
 
 
 def main():
@@ -146,17 +146,18 @@ def main():
     parser.add_argument("--reach", nargs="+", default=["whole"], choices=list(REACHES))
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    lines = [f"# Protocol {options.protocol}", "",
-             "Written by `benchmarks/protocols/protocols.py`; explained in [protocols](../protocols.md).", ""]
+    tables = {}
     for reach in options.reach:
         campaign = options.out / f"{options.protocol}-{reach}"
         spec = options.out / f"{options.protocol}-{reach}.toml"
         spec.write_text(specification(options.program, options.protocol, reach), encoding="utf-8")
-        report = settings.run(options.program, campaign, spec, options.meshes)
-        lines += [f"## {reach}", "", *(objview if options.protocol == "objview" else pb_nbv)(campaign, report), ""]
-    page = options.out / f"{options.protocol}.md"
-    page.write_text("\n".join(lines), encoding="utf-8")
-    print(page)
+        found = settings.run(options.program, campaign, spec, options.meshes)
+        of_protocol = {"objview": objview, "pb-nbv": pb_nbv}[options.protocol]
+        for name, rows in of_protocol(reach, campaign, found).items():
+            tables.setdefault(name, []).extend(rows)
+    for name, rows in tables.items():
+        settings.write(options.out / f"{name}.csv", rows)
+        print(options.out / f"{name}.csv")
 
 
 if __name__ == "__main__":

@@ -17,24 +17,30 @@ pub struct Effort {
     pub n_random: u64,
 }
 
-/// All measurements of the program `authors_code`, as Markdown, and planning times, which differ between
-/// runs.
+/// All measurements of the program `authors_code`, as CSV, and planning times, which differ between runs.
 pub struct Report {
-    /// The measurements, bit-identical in every run.
-    pub markdown: String,
+    /// The recorded views, scanned again.
+    pub scans: String,
+    /// The first plan on the recorded first map.
+    pub first_plan: String,
+    /// Coverage with slips and without them.
+    pub coverage: String,
     /// Planning times, a line for each kind of run.
     pub times: String,
 }
 
 impl Report {
-    /// Runs everything, and passes the name of the current part to `under_way`.
+    /// Runs everything, and passes the name of the current part to `under_way`. All but the times are
+    /// bit-identical in every run.
     pub fn new(scene: &Scene, effort: Effort, under_way: impl Fn(&str)) -> Outcome<Self> {
-        let mut report = Self { markdown: String::new(), times: String::new() };
         let (choices, n) = (ladder::orders(effort.n_orders, false), effort.n_orders);
         under_way("recorded views");
-        report.part("The recorded views, scanned again", &replay(scene)?)?;
+        let scans = replay(scene)?;
         under_way("the first plan");
-        report.part("The first plan on the recorded first map", &first_plan(scene)?)?;
+        let first_plan = first_plan(scene)?;
+        let views: String = (1..=N_SCANS).map(|scan| format!("view_{scan},")).collect();
+        let coverage = format!("part,program,{views}lowest,highest,n_rays,entropy_percent\n");
+        let mut report = Self { scans, first_plan, coverage, times: String::new() };
         under_way("slip after slip");
         let mut rungs = vec![
             Rung::run("recorded views", scene, Slips::AUTHORS_CODE, &[Choice::Recorded])?,
@@ -45,45 +51,42 @@ impl Report {
         under_way("random views");
         let random: Vec<_> = (0..effort.n_random).map(Choice::Random).collect();
         rungs.push(Rung::run("random views", scene, Slips::AUTHORS_CODE, &random)?);
-        report.rungs("One slip after the other repaired", &CURVES, &rungs)?;
+        report.rungs("one after the other", &CURVES, &rungs)?;
         under_way("each slip alone");
-        report.rungs("Each slip repaired alone", &[], &ladder::alone(scene, &choices)?)?;
+        report.rungs("alone", &[], &ladder::alone(scene, &choices)?)?;
         under_way("draws that last");
         let lasting = ladder::cumulative(scene, &ladder::orders(n, true))?;
-        report.rungs("Draws that last for a run", &CURVES[2..], &lasting)?;
+        report.rungs("one after the other, draws last", &CURVES[2..], &lasting)?;
         under_way("weights of the flow");
         let mut weights = ladder::weights(scene, Slips::AUTHORS_CODE, n, "authors-code")?;
         weights.extend(ladder::weights(scene, Slips::PAPER, n, "the paper's formulas")?);
-        report.rungs("Weights of the flow", &[], &weights)?;
+        report.rungs("weights of the flow", &[], &weights)?;
         Ok(report)
     }
 
-    fn part(&mut self, title: &str, table: &str) -> Outcome<()> {
-        let space = if self.markdown.is_empty() { "" } else { "\n" };
-        Ok(write!(self.markdown, "{space}## {title}\n\n{table}")?)
-    }
-
-    fn rungs(&mut self, title: &str, curves: &[(&str, [f64; N_SCANS])], rungs: &[Rung]) -> Outcome<()> {
-        let numbers = (1..=N_SCANS).map(|scan| format!(" {scan} |"));
-        let mut table =
-            format!("| |{} lowest to highest | rays | entropy, % |\n", numbers.collect::<String>());
-        writeln!(table, "|---|{}", "---:|".repeat(N_SCANS + 3))?;
+    fn rungs(&mut self, part: &str, curves: &[(&str, [f64; N_SCANS])], rungs: &[Rung]) -> Outcome<()> {
         for (name, curve) in curves {
-            writeln!(table, "| {name} |{} | | |", columns(curve))?;
+            writeln!(self.coverage, "{},{},{},,,", field(part), field(name), columns(curve))?;
         }
         for rung in rungs {
             let ([low, high], curve) = (rung.last, columns(&rung.coverage));
             let rays = rung.n_rays.map_or(String::new(), |n| n.to_string());
-            let (name, entropy) = (&rung.name, rung.entropy * 100.0);
-            writeln!(table, "| {name} |{curve} {low:.3} to {high:.3} | {rays} | {entropy:.1} |")?;
-            writeln!(self.times, "{title}, {name}: {:.1} ms", rung.plan_time.as_secs_f64() * 1e3)?;
+            let (name, entropy) = (field(&rung.name), rung.entropy * 100.0);
+            let part = field(part);
+            writeln!(self.coverage, "{part},{name},{curve},{low:.3},{high:.3},{rays},{entropy:.1}")?;
+            writeln!(self.times, "{part}, {name}: {:.1} ms", rung.plan_time.as_secs_f64() * 1e3)?;
         }
-        self.part(title, &table)
+        Ok(())
     }
 }
 
+/// A text as a field of CSV.
+fn field(text: &str) -> String {
+    if text.contains(',') { format!("\"{text}\"") } else { text.to_owned() }
+}
+
 fn columns(curve: &[f64]) -> String {
-    curve.iter().map(|coverage| format!(" {coverage:.3} |")).collect()
+    curve.iter().map(|coverage| format!("{coverage:.3}")).collect::<Vec<_>>().join(",")
 }
 
 fn one_order(scene: &Scene, order: u64) -> Outcome<Rung> {
@@ -93,8 +96,7 @@ fn one_order(scene: &Scene, order: u64) -> Outcome<Rung> {
 
 fn replay(scene: &Scene) -> Outcome<String> {
     let mut table =
-        "| scan | view | occupied: recorded | here | entropy, nats: recorded | here | voxels that differ |\n\
-         |---:|---:|---:|---:|---:|---:|---:|\n"
+        "scan,view,recorded_occupied,occupied,recorded_entropy_nats,entropy_nats,different_voxels\n"
             .to_owned();
     let recording = &scene.recording;
     for (scan, step) in scene.run(Slips::AUTHORS_CODE, Choice::Recorded)?.iter().enumerate() {
@@ -104,7 +106,7 @@ fn replay(scene: &Scene) -> Outcome<String> {
         let n_different = step.log_odds.iter().zip(theirs).filter(|(a, b)| a != b).count();
         writeln!(
             table,
-            "| {} | {} | {} | {} | {:.2} | {:.2} | {n_different} |",
+            "{},{},{},{},{:.2},{:.2},{n_different}",
             scan + 1,
             step.view,
             recorded.n_occupied(),
@@ -117,22 +119,22 @@ fn replay(scene: &Scene) -> Outcome<String> {
 }
 
 fn first_plan(scene: &Scene) -> Outcome<String> {
-    let mut table = "| | rays | of a view | views without | voxels in the flow | edges | quality |\n\
-                     |---|---:|---:|---:|---:|---:|---:|\n"
-        .to_owned();
+    let mut table =
+        "rays_rule,program,n_rays,rays_per_view,views_without_rays,flow_voxels,flow_edges,quality\n"
+            .to_owned();
     let through = Slips { rays_stop_at_unknown: false, ..Slips::AUTHORS_CODE };
     for (name, theirs, slips) in [
         ("authors-code", FIRST_PLAN.map(Some), Slips::AUTHORS_CODE),
         ("rays pass unknown voxels", FIRST_PLAN_THROUGH_UNKNOWN, through),
     ] {
         let cell = |(value, digits): (Option<f64>, usize)| {
-            value.map_or(" |".to_owned(), |value| format!(" {value:.digits$} |"))
+            value.map_or(String::new(), |value| format!("{value:.digits$}"))
         };
         let cells = |values: [Option<f64>; 6]| {
-            values.into_iter().zip([0, 1, 0, 0, 0, 1]).map(cell).collect::<String>()
+            values.into_iter().zip([0, 1, 0, 0, 0, 1]).map(cell).collect::<Vec<_>>().join(",")
         };
-        writeln!(table, "| {name}: their program |{}", cells(theirs))?;
-        writeln!(table, "| {name}: here |{}", cells(facts(&scene.survey(slips)?).map(Some)))?;
+        writeln!(table, "{name},theirs,{}", cells(theirs))?;
+        writeln!(table, "{name},here,{}", cells(facts(&scene.survey(slips)?).map(Some)))?;
     }
     Ok(table)
 }

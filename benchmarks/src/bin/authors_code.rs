@@ -1,10 +1,10 @@
 //! Runs the program of the paper's authors as the profile `authors-code`, then repairs its slips one after
 //! the other, down to the paper's formulas.
 //!
-//!     cargo run --release -p nextview-benchmarks --bin authors_code -- AUTHORS_FOLDER OUT.md
+//!     cargo run --release -p nextview-benchmarks --bin authors_code -- AUTHORS_FOLDER OUT
 //!
-//! The folder holds the authors' recorded Armadillo run. `OUT.md` gets the tables, the same bits every time;
-//! stdout gets the mean planning time of every kind of run. With QUICK set, two runs of each kind are
+//! The folder holds the authors' recorded Armadillo run. The folder OUT gets `scans.csv`, `first-plan.csv` and
+//! `coverage.csv`, the same bits every time (docs/tables.md explains the columns); stdout gets the mean planning time of every kind of run. With QUICK set, two runs of each kind are
 //! averaged.
 
 use nextview_benchmarks::authors::recording::Recording;
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let paths: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
     let [folder, out] = &paths[..] else {
         let n = paths.len();
-        return Err(format!("{n} arguments, expected the authors' folder and the file to write").into());
+        return Err(format!("{n} arguments, expected the authors' folder and the folder to write").into());
     };
     let effort = match is_quick() {
         true => Effort { n_orders: 2, n_random: 2 },
@@ -26,7 +26,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let scene = Scene::new(Recording::read(folder)?)?;
     let report = Report::new(&scene, effort, |what| eprintln!("{what} ..."))?;
-    std::fs::write(out, &report.markdown).map_err(|error| format!("{}: {error}", out.display()))?;
+    std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
+    let tables = [report.scans, report.first_plan, report.coverage];
+    for (name, table) in ["scans.csv", "first-plan.csv", "coverage.csv"].into_iter().zip(tables) {
+        let path = out.join(name);
+        std::fs::write(&path, table).map_err(|error| format!("{}: {error}", path.display()))?;
+    }
     print!("{}", report.times);
     Ok(())
 }

@@ -17,7 +17,7 @@ mod scan;
 mod text;
 
 #[cfg(feature = "campaign")]
-pub use campaign::{campaign_report, comparison_text, is_campaign_report};
+pub use campaign::{CAMPAIGN_REPORT_FILES, campaign_report, comparison_text, is_campaign_report};
 pub use scan::{
     ScanPage, ShownModel, ViewPicture, color_png, depth_png, heading, page_of_scan, scan_page, step_line,
     stop_phrase, summary, summary_text,

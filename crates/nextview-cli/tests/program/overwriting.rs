@@ -175,8 +175,13 @@ fn a_report_replaces_reports_of_campaigns() {
     folder.ok(&["bench", "one.toml"]);
     folder.ok(&["report", "bench-one"]);
     folder.ok(&["report", "bench-one"]);
-    // The page of a scan, and a text of someone else.
-    for (name, text) in [("report.html", "<!DOCTYPE html>\n<title>mug</title>"), ("report.md", "# Mine\n")] {
+    // The page of a scan, and texts of someone else.
+    let others = [
+        ("report.html", "<!DOCTYPE html>\n<title>mug</title>"),
+        ("report.md", "# Mine\n"),
+        ("objects.csv", "mug\n"),
+    ];
+    for (name, text) in others {
         folder.write(&format!("bench-one/{name}"), text);
         let parts = ["bench-one: already holds results: ", name, "replace them (--force)"];
         refused(&folder, &["report", "bench-one"], "bench-one", &parts);

@@ -1,5 +1,6 @@
 //! Accuracy of the planners' estimates of completeness, current and after their next views.
 
+use super::data::DataFile;
 use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
 use crate::plot::{Axis, Curve, Marker, Plot};
 use crate::text::fixed;
@@ -62,15 +63,19 @@ fn forecast_rows(variant: &StudyVariant) -> Vec<Row> {
         let (forecasts, truths): (Vec<f64>, Vec<f64>) = pairs.iter().copied().unzip();
         let differences: Vec<f64> = pairs.iter().map(|(forecast, truth)| (forecast - truth).abs()).collect();
         let percent = |shares: &[f64]| fixed(100.0 * mean(shares).unwrap_or_default(), 1);
-        let cells = [
-            variant.name.clone(),
-            (n + 1).to_string(),
-            pairs.len().to_string(),
-            percent(&forecasts),
-            percent(&truths),
-            percent(&differences),
+        let n_ahead = (n + 1).to_string();
+        let values = [
+            ("n", pairs.len().to_string()),
+            ("estimate_percent", percent(&forecasts)),
+            ("reachable_coverage_percent", percent(&truths)),
+            ("difference_points", percent(&differences)),
         ];
-        Row::new(cells.map(Cell::from).into())
+        let names = [&variant.name, &n_ahead].map(|name| Cell::from(name.as_str()));
+        let cells = values.map(|value| {
+            let cell = Cell::from(value.1.clone()).with_values([value]);
+            cell.in_row(DataFile::Estimates, [&variant.name, &n_ahead, "", ""])
+        });
+        Row::new(names.into_iter().chain(cells).collect())
     };
     ahead.into_iter().enumerate().map(row).collect()
 }
@@ -137,15 +142,19 @@ fn plot(classes: &[Class]) -> Plot {
 fn data(variants: &[(String, Vec<Class>)]) -> Table {
     let percent = |share: f64| fixed(100.0 * share, 1);
     let row = |name: &str, class: &Class| {
-        let [low, truth, high] = class.truth();
-        let range = format!("{} to {}", percent(low), percent(high));
-        let cells = [
-            format!("{name}, {:.0} to {:.0} %", 100.0 * class.low, 100.0 * class.high).into(),
-            class.truths.len().to_string().into(),
-            percent(class.estimate).into(),
-            Cell::with_note(percent(truth), range),
+        let [low, truth, high] = class.truth().map(percent);
+        let [from, to] = [class.low, class.high].map(|bound| format!("{:.0}", 100.0 * bound));
+        let (n, estimate) = (class.truths.len().to_string(), percent(class.estimate));
+        let values = [
+            ("n", n.clone()),
+            ("estimate_percent", estimate.clone()),
+            ("reachable_coverage_percent", truth.clone()),
+            ("reachable_coverage_p10_percent", low.clone()),
+            ("reachable_coverage_p90_percent", high.clone()),
         ];
-        Row::new(cells.into())
+        let truth = Cell::with_note(truth, format!("{low} to {high}")).with_values(values);
+        let truth = truth.in_row(DataFile::Estimates, [name, "0", &from, &to]);
+        Row::new(vec![format!("{name}, {from} to {to} %").into(), n.into(), estimate.into(), truth])
     };
     let rows = variants.iter().flat_map(|(name, classes)| classes.iter().map(move |class| row(name, class)));
     Table {

@@ -1,5 +1,6 @@
 //! The report before it becomes HTML or Markdown. All strings are plain text.
 
+use super::data::DataFile;
 use crate::plot::Plot;
 
 /// A page.
@@ -8,6 +9,8 @@ pub(crate) struct Document {
     pub title: String,
     pub subtitle: String,
     pub sections: Vec<Section>,
+    /// Values of the configuration and of the runs: variant, or nothing if all have it, parameter, value.
+    pub setup: Vec<[String; 3]>,
 }
 
 /// A part of the page with a heading.
@@ -53,6 +56,10 @@ pub(crate) struct Row {
 pub(crate) struct Cell {
     pub text: String,
     pub note: String,
+    /// The numbers in it, by the columns of a file of data; none if it is not measured.
+    pub values: Vec<(&'static str, String)>,
+    /// The file that has these numbers, and the key of their row.
+    pub row: Option<(DataFile, Vec<String>)>,
 }
 
 /// Drawings and their numbers.
@@ -88,13 +95,24 @@ impl Row {
 
 impl Cell {
     pub fn with_note(text: impl Into<String>, note: impl Into<String>) -> Self {
-        Self { text: text.into(), note: note.into() }
+        Self { text: text.into(), note: note.into(), ..Self::default() }
+    }
+
+    /// Adds numbers for a file of data.
+    pub fn with_values(mut self, values: impl IntoIterator<Item = (&'static str, String)>) -> Self {
+        self.values.extend(values);
+        self
+    }
+
+    /// Puts its numbers into the row of a file.
+    pub fn in_row<const N: usize>(self, file: DataFile, key: [&str; N]) -> Self {
+        Self { row: Some((file, key.map(str::to_owned).to_vec())), ..self }
     }
 }
 
 impl<T: Into<String>> From<T> for Cell {
     fn from(text: T) -> Self {
-        Self { text: text.into(), note: String::new() }
+        Self { text: text.into(), ..Self::default() }
     }
 }
 

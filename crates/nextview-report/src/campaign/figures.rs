@@ -1,5 +1,6 @@
 //! Figure 10: coverage and entropy of the variants over the number of views.
 
+use super::data::DataFile;
 use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::line::{Line, N_STYLES, baselines, shortened};
 use crate::plot::{self, Axis, Marker, Plot, view_ticks};
@@ -68,7 +69,7 @@ fn figure(study: &Study, of: Curve, title: &str, text: &str) -> Option<Block> {
         caption: format!("{title}. {text} {}", caption(n, &baselines, of)),
         overview,
         panels: panels.collect(),
-        data: data(lines.iter().chain(&baselines)),
+        data: data(lines.iter().chain(&baselines), of),
     }))
 }
 
@@ -103,7 +104,8 @@ fn label_room(lines: &[Line]) -> f64 {
 }
 
 /// The means with their intervals at round numbers of views.
-fn data<'a>(lines: impl Iterator<Item = &'a Line>) -> Table {
+fn data<'a>(lines: impl Iterator<Item = &'a Line>, of: Curve) -> Table {
+    let [mean_column, low_column, high_column] = columns(of);
     let lines: Vec<&Line> = lines.collect();
     let n_views = lines.iter().map(|line| line.means.len()).max().unwrap_or(0);
     let mut ticks = view_ticks(n_views);
@@ -112,9 +114,15 @@ fn data<'a>(lines: impl Iterator<Item = &'a Line>) -> Table {
         let value = |view: &usize| {
             let i = view - 1;
             let note = line.intervals.get(i).copied().flatten();
-            let note = note.map(|v| format!("{} to {}", fixed(100.0 * v.low, 1), fixed(100.0 * v.high, 1)));
+            let ends = note.map(|v| [v.low, v.high].map(|end| fixed(100.0 * end, 1)));
+            let note = ends.as_ref().map(|[low, high]| format!("{low} to {high}"));
             let text = line.means.get(i).map_or("–".to_owned(), |mean| fixed(100.0 * mean, 1));
-            Cell::with_note(text, note.unwrap_or_default())
+            Cell::with_note(text.clone(), note.unwrap_or_default())
+                .with_values([(mean_column, text)])
+                .with_values(
+                    ends.into_iter().flat_map(|ends| [low_column, high_column].into_iter().zip(ends)),
+                )
+                .in_row(DataFile::Progress, [&line.name, &view.to_string()])
         };
         Row::new(std::iter::once(line.name.as_str().into()).chain(ticks.iter().map(value)).collect())
     };
@@ -123,5 +131,20 @@ fn data<'a>(lines: impl Iterator<Item = &'a Line>) -> Table {
         caption: String::new(),
         rows: lines.iter().map(row).collect(),
         head: std::iter::once(Column::text("")).chain(views).collect(),
+    }
+}
+
+/// The columns of mean and interval in the file.
+fn columns(of: Curve) -> [&'static str; 3] {
+    match of {
+        Curve::VoxelCoverage => {
+            ["voxel_coverage_percent", "voxel_coverage_low_percent", "voxel_coverage_high_percent"]
+        }
+        Curve::ReachableCoverage => [
+            "reachable_coverage_percent",
+            "reachable_coverage_low_percent",
+            "reachable_coverage_high_percent",
+        ],
+        Curve::Entropy => ["entropy_percent", "entropy_low_percent", "entropy_high_percent"],
     }
 }

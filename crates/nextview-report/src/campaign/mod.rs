@@ -5,6 +5,7 @@
 
 mod calibration;
 mod comparison;
+mod data;
 mod document;
 mod figures;
 mod html;
@@ -22,4 +23,4 @@ mod summary;
 mod tests;
 
 pub use comparison::comparison_text;
-pub use report::{campaign_report, is_campaign_report};
+pub use report::{CAMPAIGN_REPORT_FILES, campaign_report, is_campaign_report};

@@ -64,7 +64,7 @@ pub(crate) fn section(setup: &Setup, study: &Study, torn: bool) -> Section {
         Block::Table(variants(study, &setup.parameters)),
         Block::Aside(
             "Parameters that all runs share".to_owned(),
-            setup.parameters.shared_text(study.variants.len()),
+            listing(setup.parameters.shared(study.variants.len()), "\n"),
         ),
     ];
     blocks.extend(setup.failures().map(Block::Table));
@@ -76,7 +76,33 @@ pub(crate) fn section(setup: &Setup, study: &Study, torn: bool) -> Section {
     Section { title: "What was run".to_owned(), blocks }
 }
 
+/// All values with the variants that have them, for a file: variant, or nothing if all have it, parameter,
+/// value.
+pub(crate) fn rows(setup: &Setup, study: &Study) -> Vec<[String; 3]> {
+    let n_variants = study.variants.len();
+    let of_all = |(name, value)| [String::new(), name, value];
+    let overview = facts(setup, study).into_iter().map(|(name, value)| of_all((name.to_owned(), value)));
+    let of_variant = |variant: &StudyVariant| {
+        let planner = ("planner".to_owned(), variant.planner.to_string());
+        let own = setup.parameters.own(&variant.name, n_variants);
+        let values = std::iter::once(planner).chain(own);
+        values.map(|(name, value)| [variant.name.clone(), name, value]).collect::<Vec<_>>()
+    };
+    let of_variants = study.variants.iter().flat_map(of_variant);
+    overview.chain(of_variants).chain(setup.parameters.shared(n_variants).into_iter().map(of_all)).collect()
+}
+
 fn overview(setup: &Setup, study: &Study) -> Table {
+    let row = |(label, value): (&str, String)| Row::new(vec![label.into(), value.into()]);
+    Table {
+        caption: String::new(),
+        head: vec![Column::text(""), Column::text("")],
+        rows: facts(setup, study).into_iter().map(row).collect(),
+    }
+}
+
+/// What all runs together are.
+fn facts(setup: &Setup, study: &Study) -> Vec<(&'static str, String)> {
     let Setup { n_runs, n_failed, .. } = setup;
     let mut rows = vec![
         ("runs", format!("{} done, {n_failed} failed", n_runs - n_failed)),
@@ -90,12 +116,7 @@ fn overview(setup: &Setup, study: &Study) -> Table {
     study.objects.iter().for_each(|object| by_set.entry(&object.data_set).or_default().push(&object.name));
     let objects = by_set.iter().map(|(set, names)| format!("{set} ({}): {}", names.len(), listed(names)));
     rows.insert(1, ("objects", objects.collect::<Vec<_>>().join("; ")));
-    let row = |(label, value): (&str, String)| Row::new(vec![label.into(), value.into()]);
-    Table {
-        caption: String::new(),
-        head: vec![Column::text(""), Column::text("")],
-        rows: rows.into_iter().map(row).collect(),
-    }
+    rows
 }
 
 /// The first values, and the number of the others.
@@ -111,7 +132,7 @@ fn listed<'a, T: ToString + 'a>(
 
 fn variants(study: &Study, parameters: &Parameters) -> Table {
     let row = |variant: &StudyVariant| {
-        let own = parameters.own(&variant.name, study.variants.len());
+        let own = listing(parameters.own(&variant.name, study.variants.len()), ", ");
         Row::new(vec![variant.name.as_str().into(), variant.planner.to_string().into(), own.into()])
     };
     Table {
@@ -148,28 +169,33 @@ impl Parameters {
         }
     }
 
-    fn shared_text(&self, n_variants: usize) -> String {
+    /// Values common to all runs.
+    fn shared(&self, n_variants: usize) -> Vec<(String, String)> {
         let value = |by_variant: &BTreeMap<String, BTreeSet<String>>| {
             let all: BTreeSet<&String> = by_variant.values().flatten().collect();
             let first = all.first().map(|value| value.to_string());
             first.filter(|_| all.len() == 1 && by_variant.len() == n_variants)
         };
-        let line = |(key, by_variant)| Some(format!("{key} = {}", value(by_variant)?));
-        self.values.iter().filter_map(line).collect::<Vec<_>>().join("\n")
+        self.values.iter().filter_map(|(key, of)| Some((key.clone(), value(of)?))).collect()
     }
 
     /// Values common to all runs of this variant but not to another variant, without the planner's name.
-    fn own(&self, variant: &str, n_variants: usize) -> String {
+    fn own(&self, variant: &str, n_variants: usize) -> Vec<(String, String)> {
         let part = |(key, by_variant): (&String, &BTreeMap<String, BTreeSet<String>>)| {
             let own = by_variant.get(variant).filter(|own| own.len() == 1)?;
             let constant = by_variant.values().all(|values| values.len() == 1);
             let differs = by_variant.len() < n_variants || by_variant.values().any(|other| other != own);
             let value = own.first().filter(|_| constant && differs && key != "planner")?;
-            Some(format!("{key} = {value}"))
+            Some((key.clone(), value.clone()))
         };
-        let parts: Vec<String> = self.values.iter().filter_map(part).collect();
-        parts.join(", ")
+        self.values.iter().filter_map(part).collect()
     }
+}
+
+/// Parameters with their values, as text.
+fn listing(parameters: Vec<(String, String)>, separator: &str) -> String {
+    let parts: Vec<String> = parameters.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+    parts.join(separator)
 }
 
 /// The parameters of a run as dotted names and values, without those of other planners.

@@ -17,10 +17,15 @@ pub(super) fn with_median(sample: &Sample, measure: &Measure) -> Cell {
     if !(measure.factor * mean).is_finite() {
         return dash("too large for a number");
     }
-    let interval = sample.interval();
-    let interval = interval.map(|it| format!("{} to {}", measure.show(it.low), measure.show(it.high)));
-    let median = (sample.n_objects() > 1).then(|| format!("median {}", measure.show(median)));
-    Cell::with_note(measure.show(mean), joined([interval, median]))
+    let interval = sample.interval().map(|it| [it.low, it.high].map(|end| measure.show(end)));
+    let median = (sample.n_objects() > 1).then(|| measure.show(median));
+    let note = joined([
+        interval.as_ref().map(|[low, high]| format!("{low} to {high}")),
+        median.as_ref().map(|median| format!("median {median}")),
+    ]);
+    let mean = measure.show(mean);
+    let values = [("value", mean.clone()), ("n_objects", sample.n_objects().to_string())];
+    Cell::with_note(mean, note).with_values(values).with_values(spread(interval, median))
 }
 
 /// A mean difference with its interval, its median, p and the number of pairs.
@@ -35,10 +40,27 @@ pub(super) fn with_test(
         return dash("too large for a number");
     }
     let show = |value| measure.show_difference(value);
-    let interval = interval.map(|it| format!("{} to {}", show(it.low), show(it.high)));
-    let median = (test.n_pairs > 1).then(|| format!("median {}", show(median)));
-    let p = Some(format!("{}, n = {}", p_value(test), test.n_pairs));
-    Cell::with_note(show(mean), joined([interval, median, p]))
+    let interval = interval.map(|it| [it.low, it.high].map(show));
+    let median = (test.n_pairs > 1).then(|| show(median));
+    let note = joined([
+        interval.as_ref().map(|[low, high]| format!("{low} to {high}")),
+        median.as_ref().map(|median| format!("median {median}")),
+        Some(format!("{}, n = {}", p_value(test), test.n_pairs)),
+    ]);
+    let plain = |shown: String| shown.replace('−', "-").replace('+', "");
+    let p = p_value(test).replace(['p', '=', ' '], "");
+    let values = [("mean", plain(show(mean))), ("p", p), ("n_objects", test.n_pairs.to_string())];
+    let spread = spread(interval.map(|ends| ends.map(plain)), median.map(plain));
+    Cell::with_note(show(mean), note).with_values(values).with_values(spread)
+}
+
+/// Interval and median in the columns of files.
+fn spread(
+    interval: Option<[String; 2]>,
+    median: Option<String>,
+) -> impl Iterator<Item = (&'static str, String)> {
+    let interval = interval.into_iter().flat_map(|ends| ["low", "high"].into_iter().zip(ends));
+    interval.chain(median.map(|median| ("median", median)))
 }
 
 /// `p = 0.031`, or `p < 0.001`.

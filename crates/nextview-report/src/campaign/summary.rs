@@ -1,5 +1,6 @@
 //! The tables of the coverage and cost of every variant, and of the differences between variants.
 
+use super::data::DataFile;
 use super::document::{Block, Cell, Column, Row, Section, Table};
 use super::statistic::{NOT_MEASURED, dash, with_median, with_test};
 use nextview_campaign::statistics::measure::{
@@ -79,10 +80,16 @@ fn reached(study: &Study) -> Table {
     let head: Vec<&str> =
         std::iter::once("objects").chain(measures.iter().map(|measure| measure.name)).collect();
     table(study, "Results after the last view: mean, its interval, median", &head, |variant| {
-        let of_measure = |measure: &Measure| with_median(&variant.sample(measure), measure);
         let n_objects = Cell::from(variant.n_objects().to_string());
-        std::iter::once(n_objects).chain(measures.iter().map(of_measure)).collect()
+        let measures = measures.iter().map(|measure| of_measure(variant, measure));
+        std::iter::once(n_objects).chain(measures).collect()
     })
+}
+
+/// The measure of a variant, also for the file of statistics.
+fn of_measure(variant: &StudyVariant, measure: &Measure) -> Cell {
+    let cell = with_median(&variant.sample(measure), measure);
+    cell.in_row(DataFile::Statistics, [&variant.name, measure.name])
 }
 
 /// The measures of map and model; `None` if no run has any of them.
@@ -92,7 +99,7 @@ fn has(study: &Study) -> Option<Table> {
     let caption = "Final map and cloud, and how early coverage was reached (docs/measures.md)";
     (!measures.is_empty()).then(|| {
         table(study, caption, &head, |variant| {
-            measures.iter().map(|measure| with_median(&variant.sample(measure), measure)).collect()
+            measures.iter().map(|measure| of_measure(variant, measure)).collect()
         })
     })
 }
@@ -104,7 +111,10 @@ fn worst(study: &Study) -> Table {
     table(study, "The worst object", &head, |variant| {
         let cell = |measure: &Measure| match variant.worst(measure) {
             Some((object, value)) => {
-                Cell::with_note(measure.show(value), study.objects[object].name.as_str())
+                let (value, object) = (measure.show(value), study.objects[object].name.as_str());
+                let values = [("worst", value.clone()), ("worst_object", object.to_owned())];
+                let cell = Cell::with_note(value, object).with_values(values);
+                cell.in_row(DataFile::Statistics, [&variant.name, measure.name])
             }
             None => dash(NOT_MEASURED),
         };
@@ -135,22 +145,31 @@ fn views_to(variant: &StudyVariant, level: f64) -> Cell {
     let known = variant.runs.iter().filter(|runs| runs.iter().any(|run| run.views_to(level).is_some()));
     let n_reaching = known.filter(|runs| runs.iter().all(|run| run.reaches(level))).count();
     let bound = if n_reaching < sample.n_objects() { "≥ " } else { "" };
-    let Cell { text, note } = with_median(&sample, &VIEWS_TO_95);
-    let note = [note, format!("{n_reaching} of {} objects", sample.n_objects())];
+    let cell = with_median(&sample, &VIEWS_TO_95);
+    let note = [cell.note, format!("{n_reaching} of {} objects", sample.n_objects())];
     let note: Vec<String> = note.into_iter().filter(|part| !part.is_empty()).collect();
-    Cell::with_note(format!("{bound}{text}"), note.join(", "))
+    let name = format!("views to {} %", (100.0 * level).round());
+    Cell::with_note(format!("{bound}{}", cell.text), note.join(", "))
+        .with_values(cell.values)
+        .with_values([("n_reaching", n_reaching.to_string())])
+        .in_row(DataFile::Statistics, [&variant.name, &name])
 }
 
 fn costs(study: &Study) -> Table {
     let head = [PATH.name, "planning time per view, median, ms", "95th percentile, ms", MEMORY.name];
     table(study, "Costs", &head, |variant| {
         let times: Vec<f64> = variant.measured().flat_map(|run| run.plan_times()).collect();
-        let time = |share| match percentile(&times, share) {
-            Some(time) => PLAN_TIME.show(time).into(),
+        let time = |share, name: &str| match percentile(&times, share) {
+            Some(time) => {
+                let (time, name) = (PLAN_TIME.show(time), format!("planning time per view, {name}, ms"));
+                let cell = Cell::from(time.clone()).with_values([("value", time)]);
+                cell.in_row(DataFile::Statistics, [&variant.name, &name])
+            }
             None => dash("no view was planned"),
         };
-        let of_measure = |measure: &Measure| with_median(&variant.sample(measure), measure);
-        vec![of_measure(&PATH), time(0.5), time(0.95), of_measure(&MEMORY)]
+        let times = [time(0.5, "median"), time(0.95, "95th percentile")];
+        let [path, memory] = [PATH, MEMORY].map(|measure| of_measure(variant, &measure));
+        std::iter::once(path).chain(times).chain([memory]).collect()
     })
 }
 
@@ -168,7 +187,9 @@ fn against(study: &Study) -> Table {
     table(study, caption, &head, |variant| {
         let own = variant.sample(&COVERAGE_BEYOND_RANDOM);
         let (interval, test) = (own.interval(), own.signed_rank());
-        let mut cells = differences(&VOXEL_COVERAGE, &own.object_means(), interval, test, "").to_vec();
+        let [own, counts] = differences(&VOXEL_COVERAGE, &own.object_means(), interval, test, "");
+        let key = [variant.name.as_str(), &in_points(&REACHABLE_COVERAGE), "random views"];
+        let mut cells = vec![own.in_row(DataFile::Differences, key), counts];
         if random.is_some() {
             let random = random.filter(|random| random.name != variant.name);
             cells.extend(beyond(variant, random, &VOXEL_COVERAGE, ""));
@@ -196,7 +217,16 @@ fn best_other<'s>(study: &'s Study, variant: &StudyVariant, measure: &Measure) -
 fn beyond(variant: &StudyVariant, other: Option<&StudyVariant>, measure: &Measure, name: &str) -> [Cell; 2] {
     let Some(other) = other else { return [dash("nothing to compare with"), Cell::default()] };
     let pairs = other.beside(variant, measure);
-    differences(measure, &pairs.differences(), pairs.interval(), pairs.signed_rank(), name)
+    let (values, interval, test) = (pairs.differences(), pairs.interval(), pairs.signed_rank());
+    let [cell, counts] = differences(measure, &values, interval, test, name);
+    let key = [variant.name.as_str(), &in_points(measure), &other.name];
+    [cell.in_row(DataFile::Differences, key), counts]
+}
+
+/// The name of a measure with the unit of its differences.
+fn in_points(measure: &Measure) -> String {
+    let points = measure.difference_unit().map(|unit| format!(", {unit}"));
+    format!("{}{}", measure.name.trim_end_matches(", %"), points.unwrap_or_default())
 }
 
 /// The mean difference with its statistics, and the numbers of objects on which it is better, worse and tied.
@@ -220,5 +250,7 @@ fn differences(
     let count = |f: &dyn Fn(f64) -> bool| differences.iter().filter(|&&d| f(d)).count();
     let (better, worse) = (count(&|d| d > tie), count(&|d| d < -tie));
     let tied = differences.len() - better - worse;
-    [cell, format!("{better} / {worse} / {tied}").into()]
+    let counts =
+        [("better", better), ("worse", worse), ("tied", tied)].map(|(name, n)| (name, n.to_string()));
+    [cell.with_values(counts), format!("{better} / {worse} / {tied}").into()]
 }

@@ -3,14 +3,24 @@ use super::made_up::{Campaign, campaign, record_mut};
 use nextview_campaign::statistics::{Comparison, compare};
 use nextview_campaign::{RunRecord, RunResult};
 use nextview_scan::{PlannerName, ScanConfig};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 fn compared(a: &Campaign, b: &Campaign) -> Comparison {
     a.stored(|a| b.stored(|b| compare(a, b).unwrap()))
 }
 
+/// The pages.
 fn campaign_report(campaign: &Campaign) -> [String; 2] {
-    campaign.stored(|campaign| super::campaign_report(campaign).unwrap())
+    let mut files = files(campaign);
+    ["report.html", "report.md"].map(|name| files.remove(name).unwrap())
+}
+
+/// All files.
+fn files(campaign: &Campaign) -> BTreeMap<&'static str, String> {
+    let files = campaign.stored(|campaign| super::campaign_report(campaign).unwrap());
+    assert_eq!(files.iter().map(|(name, _)| *name).collect::<Vec<_>>(), super::CAMPAIGN_REPORT_FILES);
+    files.into_iter().collect()
 }
 
 /// Writes a page into the temporary folder for inspection.
@@ -75,6 +85,32 @@ fn both_forms_show_the_same_numbers() {
     for number in numbers(&tables) {
         assert!(in_markdown.contains(&number), "{number} is only in the HTML");
     }
+}
+
+/// Each number of the page is in a file, and each of the files on the page.
+#[test]
+fn the_files_have_the_numbers_of_the_page() {
+    let mut files = files(&varied());
+    let [_, markdown] = ["report.html", "report.md"].map(|name| files.remove(name).unwrap());
+    let setup = files.remove("setup.csv").unwrap();
+    assert!(
+        setup.starts_with("variant,parameter,value\n,runs,\"") && setup.contains("\nrse,planner,rse\n"),
+        "{setup}"
+    );
+    let numbers = |text: &str| -> BTreeSet<String> {
+        let words = text.split(|c: char| !c.is_ascii_digit() && c != '.');
+        words.filter(|word| word.contains('.') && word.len() > 2).map(str::to_owned).collect()
+    };
+    let (_, page) = markdown.split_once("## Progress").unwrap();
+    // Without what the paper published.
+    let own = page.lines().filter(|line| line.starts_with('|') && !line.starts_with("| **the paper's"));
+    let own = own.flat_map(|line| line.split('|')).map(|cell| cell.split("(paper ").next().unwrap());
+    let own = own.collect::<Vec<_>>().join("|");
+    let data: String = files.values().map(String::as_str).collect();
+    let (shown, kept) = (numbers(&own), numbers(&data));
+    assert_eq!(shown.difference(&kept).collect::<Vec<_>>(), Vec::<&String>::new(), "only on the page");
+    let page = numbers(page);
+    assert_eq!(kept.difference(&page).collect::<Vec<_>>(), Vec::<&String>::new(), "only in the files");
 }
 
 #[test]

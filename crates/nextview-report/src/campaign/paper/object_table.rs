@@ -1,6 +1,7 @@
 //! Table I: the coverage of every variant on every object, against the published one.
 
 use super::published;
+use crate::campaign::data::DataFile;
 use crate::campaign::document::{Block, Cell, Column, Row, Section, Table};
 use crate::campaign::statistic::with_median;
 use nextview_campaign::statistics::measure::VOXEL_COVERAGE;
@@ -34,27 +35,37 @@ fn head(study: &Study) -> Vec<Column> {
 
 fn rows(study: &Study) -> Vec<Row> {
     let columns = columns(study);
-    let show =
-        |value: Option<f64>| value.map_or("–".into(), |value| Cell::from(VOXEL_COVERAGE.show(value)));
-    let average = |objects: &[usize]| {
+    let names: Vec<String> = head(study).into_iter().skip(1).map(|column| column.name).collect();
+    let show = |value: Option<f64>| {
+        let shown = value.map(|value| VOXEL_COVERAGE.show(value));
+        let cell = Cell::from(shown.clone().unwrap_or_else(|| "–".to_owned()));
+        cell.with_values(shown.map(|shown| ("voxel_coverage_percent", shown)))
+    };
+    let cells = |[set, object]: [&str; 2], values: Vec<Option<f64>>| -> Vec<Cell> {
+        let cells = names.iter().zip(values);
+        cells.map(|(name, value)| show(value).in_row(DataFile::Objects, [set, object, name])).collect()
+    };
+    let average = |set: &str, objects: &[usize]| {
         let of_column =
             |column: &Vec<Option<f64>>| mean(&objects.iter().filter_map(|&i| column[i]).collect::<Vec<_>>());
-        columns.iter().map(of_column).map(show).collect::<Vec<Cell>>()
+        cells([set, ""], columns.iter().map(of_column).collect())
     };
     let total =
         |label: String, cells: Vec<Cell>| Row::total(std::iter::once(label.into()).chain(cells).collect());
     let indices: Vec<usize> = (0..study.objects.len()).collect();
     let mut rows = Vec::new();
-    for set in indices.chunk_by(|&a, &b| study.objects[a].data_set == study.objects[b].data_set) {
-        for &i in set.iter().filter(|_| study.objects.len() <= MAX_OBJECTS) {
-            let name = published::object(&study.objects[i]).map(|name| format!("paper's {name}"));
-            let name = Cell::with_note(study.objects[i].name.as_str(), name.unwrap_or_default());
-            let cells = columns.iter().map(|column| show(column[i]));
+    for of_set in indices.chunk_by(|&a, &b| study.objects[a].data_set == study.objects[b].data_set) {
+        let set = study.objects[of_set[0]].data_set.as_str();
+        for &i in of_set.iter().filter(|_| study.objects.len() <= MAX_OBJECTS) {
+            let object = &study.objects[i];
+            let name = published::object(object).map(|name| format!("paper's {name}"));
+            let name = Cell::with_note(object.name.as_str(), name.unwrap_or_default());
+            let cells = cells([set, &object.name], columns.iter().map(|column| column[i]).collect());
             rows.push(Row::new(std::iter::once(name).chain(cells).collect()));
         }
-        rows.push(total(format!("average of {}", study.objects[set[0]].data_set), average(set)));
+        rows.push(total(format!("average of {set}"), average(set, of_set)));
     }
-    let mut totals = average(&indices);
+    let mut totals = average("", &indices);
     for (cell, variant) in totals.iter_mut().zip(&study.variants) {
         cell.note = with_median(&variant.sample(&VOXEL_COVERAGE), &VOXEL_COVERAGE).note;
     }

@@ -1,6 +1,7 @@
 //! Table VI in the paper's form: the running time of a scan by a robot.
 
 use super::published;
+use crate::campaign::data::DataFile;
 use crate::campaign::document::{Cell, Column, Row, Table};
 use nextview_campaign::statistics::measure::{MOVING, PLANNING, RUNNING_TIME, SENSING};
 use nextview_campaign::statistics::{Measure, Study, StudyVariant, deviation};
@@ -27,15 +28,20 @@ pub(super) fn table(study: &Study) -> Option<Table> {
 }
 
 fn row(variant: &StudyVariant) -> Row {
-    let mut cells = PARTS.map(|part| Cell::from(with_spread(variant, &part)));
+    let mut cells = PARTS.map(|part| with_spread(variant, &part));
     let published =
         published::method(&variant.planner).and_then(|method| published::number("VI", "", method, "minutes"));
     cells[PARTS.len() - 1].note = published.map(|value| format!("paper {value}")).unwrap_or_default();
     Row::new(std::iter::once(variant.name.as_str().into()).chain(cells).collect())
 }
 
-fn with_spread(variant: &StudyVariant, measure: &Measure) -> String {
-    let values = variant.sample(measure).object_means();
-    let mean = variant.mean(measure).map_or_else(|| "–".to_owned(), |mean| measure.show(mean));
-    deviation(&values).map_or(mean.clone(), |spread| format!("{mean} ± {}", measure.show(spread)))
+fn with_spread(variant: &StudyVariant, measure: &Measure) -> Cell {
+    let sample = variant.sample(measure);
+    let mean = sample.mean().map_or_else(|| "–".to_owned(), |mean| measure.show(mean));
+    let deviation = deviation(&sample.object_means()).map(|deviation| measure.show(deviation));
+    let text = deviation.as_ref().map_or(mean.clone(), |deviation| format!("{mean} ± {deviation}"));
+    Cell::from(text)
+        .with_values([("value", mean), ("n_objects", sample.n_objects().to_string())])
+        .with_values(deviation.map(|deviation| ("deviation", deviation)))
+        .in_row(DataFile::Statistics, [&variant.name, measure.name])
 }

@@ -3,6 +3,7 @@
 use super::by_parameter::PARAMETER_TABLES;
 use super::published::{self, MEMORY_II, Published, TIME};
 use super::running_time;
+use crate::campaign::data::DataFile;
 use crate::campaign::document::{Block, Column, Row, Section, Table};
 use nextview_campaign::statistics::{Study, StudyVariant};
 
@@ -29,8 +30,14 @@ fn by_method(study: &Study, number: &str, title: &str, measures: &[Published]) -
     methods.iter().flatten().next()?;
     let row = |(measure, name): &Published| {
         let cell = |(variant, method): (&StudyVariant, &Option<&str>)| {
-            let text = variant.mean(measure).map_or_else(String::new, |mean| measure.show(mean));
-            published::cell(text, method.and_then(|method| published::number(number, "", method, name)))
+            let sample = variant.sample(measure);
+            let text = sample.mean().map(|mean| measure.show(mean));
+            let values =
+                text.clone().map(|mean| [("value", mean), ("n_objects", sample.n_objects().to_string())]);
+            let published = method.and_then(|method| published::number(number, "", method, name));
+            published::cell(text.unwrap_or_default(), published)
+                .with_values(values.into_iter().flatten())
+                .in_row(DataFile::Statistics, [&variant.name, measure.name])
         };
         let cells = study.variants.iter().zip(&methods).map(cell);
         Row::new(std::iter::once(measure.name.into()).chain(cells).collect())
