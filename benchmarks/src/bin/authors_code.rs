@@ -3,9 +3,9 @@
 //!
 //!     cargo run --release -p nextview-benchmarks --bin authors_code -- AUTHORS_FOLDER OUT
 //!
-//! The folder holds the authors' recorded Armadillo run. The folder OUT gets `scans.csv`, `first-plan.csv` and
-//! `coverage.csv`, the same bits every time (docs/tables.md explains the columns); stdout gets the mean planning time of every kind of run. With QUICK set, two runs of each kind are
-//! averaged.
+//! The folder holds the authors' recorded Armadillo run. The folder OUT gets `scans.csv`, `first-plan.csv`
+//! and `coverage.csv`, the same bits every time (docs/tables.md explains the columns); stdout gets the mean
+//! planning time of every kind of run. With QUICK set, two runs of each kind are averaged.
 
 use nextview_benchmarks::authors::recording::Recording;
 use nextview_benchmarks::authors::report::{Effort, Report};
