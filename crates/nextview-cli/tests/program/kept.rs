@@ -2,6 +2,8 @@
 //! first frame; `kept/finished`, a finished scan; `kept/campaign`, two of four runs. Records may gain keys;
 //! what is kept here is never made anew.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use crate::common::Folder;
 use std::fs;
 use std::path::Path;

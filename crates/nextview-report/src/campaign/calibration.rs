@@ -1,6 +1,6 @@
 //! Accuracy of the planners' estimates of completeness, current and after their next views.
 
-use super::data::DataFile;
+use super::data_file::DataFile;
 use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
 use crate::plot::{Axis, Curve, Marker, Plot};
 use crate::text::fixed;

@@ -1,22 +1,8 @@
 //! The numbers of the report as CSV, of all tables and figures: what the page shows, by variant and measure.
 
+use super::data_file::DataFile;
 use super::document::{Block, Cell, Document, Table};
 use std::collections::BTreeMap;
-
-/// A file of numbers beside the page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum DataFile {
-    /// A row per variant and measure.
-    Statistics,
-    /// A row per variant and number of views.
-    Progress,
-    /// A row per object and variant.
-    Objects,
-    /// A row per pair of variants and measure.
-    Differences,
-    /// A row per variant and class of estimates, or number of views ahead.
-    Estimates,
-}
 
 /// The files by name, with the columns that identify a row and those of its values.
 const FILES: [(DataFile, &str, &[&str], &[&str]); 5] = [

@@ -1,6 +1,6 @@
 //! The report before it becomes HTML or Markdown. All strings are plain text.
 
-use super::data::DataFile;
+use super::data_file::DataFile;
 use crate::plot::Plot;
 
 /// A page.

@@ -1,6 +1,6 @@
 //! Figure 10: coverage and entropy of the variants over the number of views.
 
-use super::data::DataFile;
+use super::data_file::DataFile;
 use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::line::{Line, N_STYLES, baselines, shortened};
 use crate::plot::{self, Axis, Marker, Plot, view_ticks};

@@ -6,6 +6,7 @@
 mod calibration;
 mod comparison;
 mod data;
+mod data_file;
 mod document;
 mod figures;
 mod html;

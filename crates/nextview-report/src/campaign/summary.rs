@@ -1,6 +1,6 @@
 //! The tables of the coverage and cost of every variant, and of the differences between variants.
 
-use super::data::DataFile;
+use super::data_file::DataFile;
 use super::document::{Block, Cell, Column, Row, Section, Table};
 use super::statistic::{NOT_MEASURED, dash, with_median, with_test};
 use nextview_campaign::statistics::measure::{

@@ -1,5 +1,6 @@
 //! Construction of the configured planner.
 
+#[cfg(feature = "simulated")]
 use super::planner_name::no_reference;
 use super::{PlannerChoice, PlannerName, ReferenceConfig, ScanConfig};
 use crate::Fault;

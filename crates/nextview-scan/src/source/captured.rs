@@ -2,7 +2,7 @@ use nextview::sensor::Frame;
 #[cfg(feature = "simulated")]
 pub use nextview_sim::evaluator::FrameTruth;
 
-/// The truth about a frame: none without the simulator.
+/// The truth about a frame. It has no value in a build without the simulator.
 #[cfg(not(feature = "simulated"))]
 #[derive(Clone, Debug)]
 pub enum FrameTruth {}

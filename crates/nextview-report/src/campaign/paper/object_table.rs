@@ -1,7 +1,7 @@
 //! Table I: the coverage of every variant on every object, against the published one.
 
 use super::published;
-use crate::campaign::data::DataFile;
+use crate::campaign::data_file::DataFile;
 use crate::campaign::document::{Block, Cell, Column, Row, Section, Table};
 use crate::campaign::statistic::with_median;
 use nextview_campaign::statistics::measure::VOXEL_COVERAGE;

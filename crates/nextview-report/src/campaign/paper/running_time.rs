@@ -1,7 +1,7 @@
 //! Table VI in the paper's form: the running time of a scan by a robot.
 
 use super::published;
-use crate::campaign::data::DataFile;
+use crate::campaign::data_file::DataFile;
 use crate::campaign::document::{Cell, Column, Row, Table};
 use nextview_campaign::statistics::measure::{MOVING, PLANNING, RUNNING_TIME, SENSING};
 use nextview_campaign::statistics::{Measure, Study, StudyVariant, deviation};

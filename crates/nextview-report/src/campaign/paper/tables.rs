@@ -3,7 +3,7 @@
 use super::by_parameter::PARAMETER_TABLES;
 use super::published::{self, MEMORY_II, Published, TIME};
 use super::running_time;
-use crate::campaign::data::DataFile;
+use crate::campaign::data_file::DataFile;
 use crate::campaign::document::{Block, Column, Row, Section, Table};
 use nextview_campaign::statistics::{Study, StudyVariant};
 
