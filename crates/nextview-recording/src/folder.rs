@@ -247,7 +247,7 @@ mod tests {
         let row = |frame: &str, time: &str| format!("{frame},{time},{POSE_ROW}\n");
         for (rows, expected) in [
             (String::new(), "holds no pose"),
-            (row("1", "0.1") + &row("1", "0.2"), "line 3: frame 1 is in line 2 already"),
+            (row("1", "0.1") + &row("1", "0.2"), "line 3: frame 1 is already in line 2"),
             (row("1", "0.1") + &row("2", "0.1"), "line 3: has the same timestamp, 0.1, as line 2"),
             (row("1", "nan"), "line 2: the timestamp is NaN"),
             (row("-1", "0.1"), "line 2: frame is '-1', expected a whole number"),

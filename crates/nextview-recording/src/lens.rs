@@ -167,7 +167,7 @@ mod tests {
     fn faults_name_line_value_and_remedy() {
         for (line, expected) in [
             ("zoom 2", "line 8: 'zoom' is not a known name; expected a line each for width"),
-            ("fx 1", "line 8: fx is in line 4 already"),
+            ("fx 1", "line 8: fx is already in line 4"),
             ("depth_unit_m -1", "depth_unit_m is -1, expected a positive"),
             ("depth_unit_m x", "line 8: depth_unit_m is 'x', expected a number"),
             ("depth_unit_m", "line 8: 0 values for depth_unit_m, expected 1"),

@@ -93,7 +93,7 @@ fn what_only_the_whole_shows_is_found_too() {
         &of("[[variant]]\nlabel = \"{planer}\""),
         &["line 5, column 1: variant 1 (\"{planer}\"): label \"{planer}\": {planer} is not a key"],
     );
-    check(&of("[[variant]]\nlabel = \"{planner\""), &["a '{' without '}'"]);
+    check(&of("[[variant]]\nlabel = \"{planner\""), &["a '{' without a '}'"]);
     check(
         &of("[[variant]]\n[[variant]]\nlabel = \"most-surface\""),
         &["two variants are labelled \"most-surface\""],

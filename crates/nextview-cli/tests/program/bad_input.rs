@@ -68,7 +68,7 @@ fn meshes_that_are_missing_empty_or_broken() {
     folder.refused(&["scan", "random-17"], DATA, &["random-17: ", "hint: ", "builtin:random-17"]);
     for name in ["cup", "random-x", "random-9223372036854775808"] {
         let hint =
-            "hint: there are teapot, mug, bracket, torus-knot, and random-N with a whole number N from 0 to";
+            "hint: the built-in objects are teapot, mug, bracket, torus-knot, and random-N with a whole number N from 0 to";
         folder.refused(&["scan", &format!("builtin:{name}")], USAGE, &[&format!("'{name}'"), hint]);
     }
     for extension in ["ply", "obj", "stl", "off", "gltf", "glb"] {
@@ -249,7 +249,7 @@ fn specifications_with_faults() {
         ("[[variant]]\nsweep.first_view = [1]", &["`first_view`", "`first_views`"]),
         ("[[variant]]\nsweep.\"greedy.gamma\" = [0, 1]", &["variant 1: ", "`gamma`", "`theta`"]),
         ("[[variant]]\nlabel = \"{gamma}\"", &["{gamma} is not a key"]),
-        ("[[variant]]\nlabel = \"{views\"", &["without '}'"]),
+        ("[[variant]]\nlabel = \"{views\"", &["without a '}'"]),
         (
             "[[variant]]\nscan.planner = \"local\"\nscan.stop.completeness = 0.9",
             &["variant 1", "planner local cannot stop"],
@@ -299,7 +299,7 @@ fn recordings_with_faults() {
         &["not a complete PNG image"],
     );
     text("rec/intrinsics.txt", "cx 79.5", "cx 790", &["principal point", "790"]);
-    text("rec/poses.csv", "\n1,", "\n0,", &["line 3: frame 0 is in line 2 already"]);
+    text("rec/poses.csv", "\n1,", "\n0,", &["line 3: frame 0 is already in line 2"]);
     let poses = folder.bytes("rec/poses.csv");
     with("rec/poses.csv", poses[..poses.len() - 50].to_vec(), &["line 4: ", "columns, expected 13"]);
     let poses = folder.text("rec/poses.csv");

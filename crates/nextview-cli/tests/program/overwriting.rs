@@ -72,13 +72,13 @@ fn an_input_is_kept_under_all_its_names() {
     std::fs::create_dir(folder.path("out")).unwrap();
     let scan = |mesh, out| scan(&[mesh], &["--out", out, "--force"]);
     std::os::unix::fs::symlink("../part.ply", folder.path("out/mesh.ply")).unwrap();
-    refused(&folder, &scan("part.ply", "out"), "out", &["out/mesh.ply: is read"]);
-    refused(&folder, &scan("out/mesh.ply", "out"), "out", &["out/mesh.ply: is read"]);
+    refused(&folder, &scan("part.ply", "out"), "out", &["out/mesh.ply: is an input"]);
+    refused(&folder, &scan("out/mesh.ply", "out"), "out", &["out/mesh.ply: is an input"]);
     std::fs::remove_file(folder.path("out/mesh.ply")).unwrap();
     std::fs::hard_link(folder.path("part.ply"), folder.path("out/mesh.ply")).unwrap();
-    refused(&folder, &scan("part.ply", "out"), "out", &["out/mesh.ply: is read"]);
+    refused(&folder, &scan("part.ply", "out"), "out", &["out/mesh.ply: is an input"]);
     std::os::unix::fs::symlink("out", folder.path("linked")).unwrap();
-    refused(&folder, &scan("out/mesh.ply", "linked"), "out", &["linked/mesh.ply: is read"]);
+    refused(&folder, &scan("out/mesh.ply", "linked"), "out", &["linked/mesh.ply: is an input"]);
     assert_eq!(folder.text("part.ply"), ply());
 }
 

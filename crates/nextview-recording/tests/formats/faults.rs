@@ -101,7 +101,7 @@ fn holes_are_left_out() {
 fn twins_are_told_by_both_lines() {
     assert_error(
         changed("twin", |folder| folder.replace("poses.csv", "\n1,", "\n0,")),
-        &["poses.csv: line 3: frame 0 is in line 2 already"],
+        &["poses.csv: line 3: frame 0 is already in line 2"],
     );
     assert_error(
         changed("twin-image", |folder| folder.write("depth/1.png", "")),

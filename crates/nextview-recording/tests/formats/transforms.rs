@@ -96,7 +96,7 @@ fn a_topic_of_poses_goes_first_unless_a_frame_is_named() {
     let both = ReadOptions { pose_topic: Some("/camera_pose".into()), ..in_frame("map") };
     assert_parts(
         &open(&folder, &bytes, &both).unwrap_err(),
-        &["from the topic /camera_pose or from transforms", "no frame map as `world_frame`"],
+        &["from the topic /camera_pose or from transforms", "leave out the frame map as `world_frame`"],
     );
 }
 
