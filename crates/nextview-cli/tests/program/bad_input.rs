@@ -67,8 +67,7 @@ fn meshes_that_are_missing_empty_or_broken() {
     folder.refused(&["scan", "teapot"], DATA, &["teapot: ", "hint: ", "builtin:teapot"]);
     folder.refused(&["scan", "random-17"], DATA, &["random-17: ", "hint: ", "builtin:random-17"]);
     for name in ["cup", "random-x", "random-9223372036854775808"] {
-        let hint =
-            "hint: the built-in objects are teapot, mug, bracket, torus-knot, and random-N with a whole number N from 0 to";
+        let hint = "hint: the built-in objects are teapot, mug, bracket, torus-knot, and random-N with a whole number N from 0 to";
         folder.refused(&["scan", &format!("builtin:{name}")], USAGE, &[&format!("'{name}'"), hint]);
     }
     for extension in ["ply", "obj", "stl", "off", "gltf", "glb"] {

@@ -323,7 +323,11 @@ fn a_finished_campaign_is_not_that_of_the_next() {
     folder.write("bench-tiny-3/runs.jsonl", lines.lines().next().unwrap().to_owned() + "\n");
     folder.write("bench-tiny-3/spec.toml", folder.bytes("bench-tiny/spec.toml"));
     let run = folder.run(&["bench", "tiny.toml"]);
-    assert!(run.code == Some(1) && run.stderr.contains("bench-tiny-3: already has the results of"), "{}", run.stderr);
+    assert!(
+        run.code == Some(1) && run.stderr.contains("bench-tiny-3: already has the results of"),
+        "{}",
+        run.stderr
+    );
     let resumed = folder.ok(&["bench", "tiny.toml", "--resume"]);
     assert!(resumed.contains("10 runs, 1 already done, in bench-tiny-3\n"), "{resumed}");
 }

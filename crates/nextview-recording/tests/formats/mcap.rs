@@ -406,7 +406,10 @@ fn messages_that_cannot_be_are_refused() {
         let first = messages.iter().find(|(of, _)| *of == 1).unwrap().1.clone();
         nth(messages, 1, 2, first);
     });
-    assert_parts(&twin, &["message 3 of /camera/depth", "has the same timestamp", "as message 1 of /camera/depth"]);
+    assert_parts(
+        &twin,
+        &["message 3 of /camera/depth", "has the same timestamp", "as message 1 of /camera/depth"],
+    );
 }
 
 #[test]

@@ -150,7 +150,8 @@ mod tests {
             ("live = \"/etc/passwd\"", "live"),
         ] {
             let faults = refused(text);
-            let is_named = ["is", "cannot be"].iter().any(|verb| faults[0].contains(&format!("`{key}` {verb} ")));
+            let is_named =
+                ["is", "cannot be"].iter().any(|verb| faults[0].contains(&format!("`{key}` {verb} ")));
             assert!(faults.len() == 1 && is_named, "{text}: {faults:?}");
         }
     }

@@ -102,7 +102,7 @@ fn looks_are_worth_views_and_other_planners_refuse_them() {
 
     let message = |config: ScanConfig| config.check().unwrap_err().to_string();
     let random = message(ScanConfig { planner: PlannerName::Random.into(), ..wanted.clone() });
-    assert!(random.contains("the planner random takes no second looks, which `looks` needs"), "{random}");
+    assert!(random.contains("the planner random takes no second looks, which `looks` requires"), "{random}");
     let none = message(ScanConfig { looks: Some(LooksGoal { n: 0, ..LooksGoal::default() }), ..wanted });
     assert!(none.contains("`looks.n` is 0, expected 1 to 20 looks"), "{none}");
     let flat = ScanConfig::parse("[looks]\napart_deg = 70\n", None, None).unwrap_err().to_string();

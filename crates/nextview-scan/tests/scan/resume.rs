@@ -98,7 +98,7 @@ fn a_scan_that_decides_otherwise_is_refused() {
     let mut run = ScanRun::new(other).with_journal(journal);
     let fault = run.next().unwrap_err();
     assert!(
-        fault.to_string().contains("frame 1 is of view 0, but the planner now chooses view 1"),
+        fault.to_string().contains("frame 1 was taken from view 0, but the planner now chooses view 1"),
         "{fault}"
     );
 }

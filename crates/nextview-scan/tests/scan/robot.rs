@@ -116,7 +116,10 @@ fn an_arm_out_of_reach_says_so() {
     let mut config = config();
     config.robot.as_mut().unwrap().set_base(DVec3::X * 5.0).unwrap();
     let fault = format!("{:?}", SimulatedObject::new(&config).err().unwrap());
-    assert!(fault.contains("none of the") && fault.contains("robot.world_from_base"), "{fault}");
+    assert!(
+        fault.contains("cannot hold the camera at any of the") && fault.contains("robot.world_from_base"),
+        "{fault}"
+    );
 }
 
 #[test]
