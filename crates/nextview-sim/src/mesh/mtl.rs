@@ -86,6 +86,6 @@ mod tests {
             error("newmtl a\nmap_Kd x.png").starts_with("line 2: texture \"x.png\": is not a regular file")
         );
         assert!(error("newmtl a\nmap_Kd -s 1 1 1 x.png").contains("expected only the name of an image"));
-        assert!(error("newmtl a\nmap_Kd").contains("expected the name"));
+        assert!(error("newmtl a\nmap_Kd").contains("expected only the name"));
     }
 }
