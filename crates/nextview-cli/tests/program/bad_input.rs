@@ -254,7 +254,7 @@ fn specifications_with_faults() {
             &["variant 1", "planner local cannot stop"],
         ),
         ("[[variant]]\n[[variant]]", &["two variants are labelled \"most-surface\"", "hint: "]),
-        ("objects = [1]", &["object 1: ", "integer"]),
+        ("objects = [1]", &["object 1 is of type integer", "a file or a table"]),
         ("objects = [\"a.ply\", { file = \"b.ply\", units = \"mm\" }]", &["object 2: ", "`units`", "`unit`"]),
         ("objects = [{ file = \"a.ply\", unit = \"cm\" }]", &["object 1: ", "`cm`", "`mm`"]),
         ("objects = [{ file = \"a.ply\", size_m = -1 }]", &["object 1", "size_m: is -1"]),
