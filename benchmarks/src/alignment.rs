@@ -14,13 +14,13 @@ const REACH: SearchReach = SearchReach { first: 0.01, last: 2.0 * SPACING };
 
 /// Points slightly off their surface.
 #[derive(Clone, Debug)]
-pub struct Alignment {
+pub struct OffsetPoints {
     known: KnownSurface,
     /// Right positions of the points, metres.
     points: Vec<SurfacePoint>,
 }
 
-impl Alignment {
+impl OffsetPoints {
     /// Aligns the last of the frames to the surface that the others show in the box (world coordinates).
     pub fn of(frames: &[Frame], bounds: Aabb) -> Self {
         let surface = |frames: &[Frame]| {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 /// A measurement at one size.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct Measurement {
     /// The size.
     pub size: f64,
     /// Milliseconds.
@@ -21,12 +21,12 @@ pub struct Panel {
     /// Label of the size axis.
     pub x_label: String,
     /// Points ascending by size; all numbers are positive.
-    pub points: Vec<Point>,
+    pub points: Vec<Measurement>,
 }
 
 /// Returns the slope of a value against the size in logarithms, by least squares over the upper half of the
 /// points: the exponent of growth.
-pub fn exponent(points: &[Point], value: impl Fn(&Point) -> f64) -> f64 {
+pub fn exponent(points: &[Measurement], value: impl Fn(&Measurement) -> f64) -> f64 {
     let upper = &points[points.len() / 2..];
     let logs: Vec<(f64, f64)> = upper.iter().map(|point| (point.size.ln(), value(point).ln())).collect();
     let n = logs.len() as f64;
@@ -62,9 +62,9 @@ pub fn draw(panels: &[Panel]) -> String {
 
 impl Panel {
     fn draw(&self) -> String {
-        let x = Axis::around(self.points.iter().map(|point| point.size), PLOT[0]);
+        let x = LogAxis::around(self.points.iter().map(|point| point.size), PLOT[0]);
         let values = self.points.iter().flat_map(|point| [point.ms, point.mb]);
-        let y = Axis::around(values, PLOT[1]);
+        let y = LogAxis::around(values, PLOT[1]);
         let [width, height] = PLOT;
         let mut svg = format!(
             concat!(
@@ -94,12 +94,12 @@ impl Panel {
             _ = write!(svg, r##"<path d="M0 {at}H{width}" stroke="#ddd"/>"##);
             _ = write!(svg, r##"<text x="-6" y="{}" text-anchor="end">{}</text>"##, at + 4.0, label(power));
         }
-        let ms: fn(&Point) -> f64 = |point| point.ms;
+        let ms: fn(&Measurement) -> f64 = |point| point.ms;
         for (i, (unit, color, dash, value)) in
             [("ms", "#0060a0", "", ms), ("MB", "#b04000", "5 3", |point| point.mb)].into_iter().enumerate()
         {
             let place =
-                |point: &Point| format!("{:.1},{:.1}", x.place(point.size), height - y.place(value(point)));
+                |point: &Measurement| format!("{:.1},{:.1}", x.place(point.size), height - y.place(value(point)));
             let places: Vec<String> = self.points.iter().map(place).collect();
             // Curves rise to the right, which leaves the upper left corner for their names.
             let name_y = 18.0 + 16.0 * i as f64;
@@ -123,13 +123,13 @@ impl Panel {
 }
 
 /// A logarithmic axis over whole powers of ten.
-struct Axis {
+struct LogAxis {
     low: i32,
     high: i32,
     length: f64,
 }
 
-impl Axis {
+impl LogAxis {
     fn around(values: impl Iterator<Item = f64>, length: f64) -> Self {
         let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
         let (low, high) = (low.log10().floor() as i32, high.log10().ceil() as i32);
@@ -156,10 +156,10 @@ fn label(power: i32) -> String {
 mod tests {
     use super::*;
 
-    fn points(power: f64) -> Vec<Point> {
+    fn points(power: f64) -> Vec<Measurement> {
         (0..6)
             .map(|i| 10_f64.powf(0.5 * i as f64))
-            .map(|size| Point { size, ms: 3.0 * size.powf(power), mb: 7.0 })
+            .map(|size| Measurement { size, ms: 3.0 * size.powf(power), mb: 7.0 })
             .collect()
     }
 

@@ -18,7 +18,7 @@ const RAY_SPACING: f64 = 1.5;
 
 /// Rays of the views and the quality of the voxels on them.
 #[derive(Clone, Debug)]
-pub struct Network {
+pub struct RayNetwork {
     /// The view of every ray, ascending.
     pub view_of_ray: Vec<u32>,
     /// Ray, voxel, quality.
@@ -29,7 +29,7 @@ pub struct Network {
     pub n_voxels: usize,
 }
 
-impl Network {
+impl RayNetwork {
     /// Creates a network of this many rays with a voxel on them, spread over all views, after the first image
     /// at 1 cm; of fewer rays if there are fewer.
     pub fn of(workload: &Workload, n_rays: usize) -> Self {

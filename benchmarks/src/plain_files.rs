@@ -8,7 +8,7 @@
 //! | `depth_{0..9}.f32` | depths of the object alone, metres, row by row, 0 for none |
 //! | `depth.png`, `mesh2.ply` | the first of these images, and the finest mesh, as files of our program |
 //! | `known.f32`, `points.f32`, `motion.f64` | points x y z and normals x y z to [align](crate::alignment): where the surface is known, those of another image where they belong, and the motion that takes these off |
-//! | `network_{small,large}.bin` | see [`Network`](crate::network::Network) |
+//! | `network_{small,large}.bin` | see [`RayNetwork`](crate::network::RayNetwork) |
 
 use glam::{DMat3, DQuat, DVec3};
 use nextview::geometry::Pose;

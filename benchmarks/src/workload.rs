@@ -1,6 +1,6 @@
 //! The common input of all benchmarks.
 
-use crate::alignment::Alignment;
+use crate::alignment::OffsetPoints;
 use crate::plain_files;
 use glam::{DVec2, DVec3};
 use nextview::geometry::{Aabb, Lattice};
@@ -134,7 +134,7 @@ impl Workload {
         for (name, points) in ["known", "points"].into_iter().zip(self.alignment().points()) {
             plain_files::write_surface(&folder.join(format!("{name}.f32")), &points)?;
         }
-        plain_files::write_poses(&folder.join("motion.f64"), &[Alignment::motion()])
+        plain_files::write_poses(&folder.join("motion.f64"), &[OffsetPoints::motion()])
     }
 
     /// Returns the ten images of the object alone.
@@ -145,8 +145,8 @@ impl Workload {
     }
 
     /// Returns the last image with the surface that the others show.
-    pub fn alignment(&self) -> Alignment {
-        Alignment::of(&self.frames(), bounds())
+    pub fn alignment(&self) -> OffsetPoints {
+        OffsetPoints::of(&self.frames(), bounds())
     }
 
     /// Returns the finest mesh as the bytes of a PLY file.

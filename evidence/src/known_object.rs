@@ -63,8 +63,8 @@ impl KnownObject {
         &self,
         planner: Box<dyn ViewPlanner>,
         first_view: usize,
-        is_enough: impl Fn(&[Step]) -> bool,
-    ) -> Result<Vec<Step>, Box<dyn Error>> {
+        is_enough: impl Fn(&[KnownStep]) -> bool,
+    ) -> Result<Vec<KnownStep>, Box<dyn Error>> {
         let bounds = self.scene.planning_box(Self::VOXEL_SIZE);
         let max_views = self.views.len();
         let config = SessionConfig { first_view, max_views, ..SessionConfig::new(Self::VOXEL_SIZE, bounds) };
@@ -80,14 +80,14 @@ impl KnownObject {
             let report = session.observe(&frame)?;
             let measures = evaluator.measure(&session, &frame.with_pose(report.world_from_camera), truth);
             let coverage = measures.n_seen as f64 / self.truth.n_reachable() as f64;
-            steps.push(Step { seconds, coverage });
+            steps.push(KnownStep { seconds, coverage });
         }
         Ok(steps)
     }
 }
 
 /// The state of a scan after a view.
-pub struct Step {
+pub struct KnownStep {
     /// Seconds since the camera was at the first view: all moves, and the sensing time of each view.
     pub seconds: f64,
     /// Reachable coverage, 0..=1.

@@ -4,7 +4,7 @@ use glam::DVec3;
 use nextview::Cancel;
 use nextview::geometry::random::Random;
 use nextview::geometry::{Aabb, Pose};
-use nextview::sensor::{Frame, SurfaceError};
+use nextview::sensor::{Frame, SurfaceNoise};
 use nextview::surface::MeasuredCells;
 use nextview::view::ViewSpace;
 use nextview_sim::camera::SimulatedCamera;
@@ -37,7 +37,7 @@ const N_LOOKS: usize = 3;
 pub struct TrueObject<'a> {
     camera: &'a SimulatedCamera,
     /// Surface samples seen by at least one of the checked candidates (every fourth).
-    samples: Vec<Sample>,
+    samples: Vec<SurfaceSample>,
     /// Unit vectors from the middle of the object to the candidates.
     directions: Vec<DVec3>,
     middle: DVec3,
@@ -45,7 +45,7 @@ pub struct TrueObject<'a> {
 
 /// A point of the surface with its normal, on either side.
 #[derive(Clone, Copy)]
-struct Sample {
+struct SurfaceSample {
     point: DVec3,
     normal: DVec3,
 }
@@ -100,7 +100,7 @@ impl<'a> TrueObject<'a> {
         &self,
         frames: &[Frame],
         bounds: Aabb,
-        (cell, error, goal): (f64, SurfaceError, f64),
+        (cell, error, goal): (f64, SurfaceNoise, f64),
     ) -> Result<Needs, Box<dyn Error>> {
         let poses: Vec<Pose> = frames.iter().map(|frame| frame.world_from_camera()).collect();
         let seen = poses.par_iter().map(|pose| seen_from(self.camera, &self.samples, pose));
@@ -136,7 +136,7 @@ impl<'a> TrueObject<'a> {
 }
 
 /// Points of the surface, uniform by area.
-fn samples(mesh: &TriangleMesh) -> Vec<Sample> {
+fn samples(mesh: &TriangleMesh) -> Vec<SurfaceSample> {
     let cross = |i: usize| {
         let [a, b, c] = mesh.corners(i);
         (b - a).cross(c - a)
@@ -154,7 +154,7 @@ fn samples(mesh: &TriangleMesh) -> Vec<Sample> {
         let triangle = sums.partition_point(|sum| *sum <= drawn).min(sums.len() - 1);
         let ([a, b, c], row, along) = (mesh.corners(triangle), random.unit().sqrt(), random.unit());
         let point = a + row * (1.0 - along) * (b - a) + row * along * (c - a);
-        Sample { point, normal: cross(triangle).normalize_or_zero() }
+        SurfaceSample { point, normal: cross(triangle).normalize_or_zero() }
     };
     (0..N_SAMPLES).map(sample).collect()
 }
@@ -162,7 +162,7 @@ fn samples(mesh: &TriangleMesh) -> Vec<Sample> {
 /// By sample, whether a picture from this pose truly measures it.
 fn seen_from(
     camera: &SimulatedCamera,
-    samples: &[Sample],
+    samples: &[SurfaceSample],
     pose: &Pose,
 ) -> Result<Vec<bool>, nextview::Error> {
     let look = camera.look(pose)?;

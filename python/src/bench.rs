@@ -26,7 +26,7 @@ struct Campaign {
 }
 
 /// The outcome of a campaign.
-struct Done {
+struct CampaignOutcome {
     runs: Table,
     steps: Table,
     times: Table,
@@ -61,7 +61,7 @@ pub fn bench<'py>(
     if let Some(error) = raised.lock().unwrap_or_else(PoisonError::into_inner).take() {
         return Err(error);
     }
-    let Done { runs, steps, times, failed } = done?;
+    let CampaignOutcome { runs, steps, times, failed } = done?;
     let dict = PyDict::new(py);
     for (name, table) in [("runs", runs), ("steps", steps), ("times", times)] {
         dict.set_item(name, columns(py, table)?)?;
@@ -97,7 +97,7 @@ fn done(
     campaign: &Campaign,
     cancel: &Cancel,
     listener: &(dyn Fn(CampaignEvent) + Sync),
-) -> Result<Done, Faults> {
+) -> Result<CampaignOutcome, Faults> {
     if campaign.jobs == Some(0) {
         return Err(Fault::of_value("jobs", 0, "at least 1").into());
     }
@@ -109,7 +109,7 @@ fn done(
     let records = records.iter().collect::<Result<Vec<RunRecord>, Fault>>()?;
     let records: Vec<&RunRecord> = records.iter().collect();
     let (runs, steps) = (tables::runs(&records)?, tables::steps(&records)?);
-    Ok(Done { runs, steps, times: tables::times(&records), failed: store.failed() })
+    Ok(CampaignOutcome { runs, steps, times: tables::times(&records), failed: store.failed() })
 }
 
 /// Returns columns by name: arrays of float64 with NaN for missing values, of int64 or bool if none is

@@ -24,7 +24,7 @@ pub fn exception(py: Python<'_>, faults: impl Into<Faults>) -> PyErr {
 }
 
 fn raised_by_planner(fault: &Fault) -> Option<&PyErr> {
-    fault.cause.as_ref()?.0.downcast_ref::<Failure>()?.error.as_ref()
+    fault.cause.as_ref()?.0.downcast_ref::<PlannerFailure>()?.error.as_ref()
 }
 
 /// The exception for an invalid argument.
@@ -46,12 +46,12 @@ fn raised(py: Python<'_>, class: &str, faults: &Faults) -> PyResult<PyErr> {
 
 /// A Python planner raised an exception, or returned an invalid answer.
 #[derive(Debug)]
-pub struct Failure {
+pub struct PlannerFailure {
     message: String,
     error: Option<PyErr>,
 }
 
-impl Failure {
+impl PlannerFailure {
     /// A return value other than expected, as described by the message.
     pub fn new(message: String) -> Self {
         Self { message, error: None }
@@ -76,16 +76,16 @@ fn place(py: Python<'_>, error: &PyErr) -> Option<String> {
     Some(format!(" ({}, line {line})", file.file_name()?.display()))
 }
 
-impl fmt::Display for Failure {
+impl fmt::Display for PlannerFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)
     }
 }
 
-impl std::error::Error for Failure {}
+impl std::error::Error for PlannerFailure {}
 
-impl From<Failure> for nextview::Error {
-    fn from(failure: Failure) -> Self {
+impl From<PlannerFailure> for nextview::Error {
+    fn from(failure: PlannerFailure) -> Self {
         Self::Planner(Box::new(failure))
     }
 }

@@ -8,7 +8,7 @@ use crate::{model, results, values};
 use nextview::Cancel;
 use nextview::map::Snapshot;
 use nextview_scan::{
-    Begin, Fault, Faults, FinalModel, FrameSource, Measured, RecordedScan, ScanConfig, ScanRecord, ScanRun,
+    RunOptions, Fault, Faults, FinalModel, FrameSource, Measured, RecordedScan, ScanConfig, ScanRecord, ScanRun,
     SimulatedObject, Simulation, SourceConfig, Truth,
 };
 use pyo3::prelude::*;
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 /// The outcome of a scan.
-struct Done {
+struct ScanOutcome {
     record: ScanRecord,
     model: Option<FinalModel>,
     snapshot: Option<Snapshot>,
@@ -27,7 +27,7 @@ struct Done {
 }
 
 /// Where results go.
-struct Output<'a> {
+struct ScanOutput<'a> {
     dir: Option<&'a Path>,
     force: bool,
 }
@@ -48,8 +48,8 @@ pub fn scan<'py>(
         config.camera = camera.intrinsics;
     }
     let cancel = Cancel::default();
-    let listener = Listener { callback: on_step, raised: Mutex::new(None) };
-    let output = Output { dir: out.as_deref(), force };
+    let listener = StepListener { callback: on_step, raised: Mutex::new(None) };
+    let output = ScanOutput { dir: out.as_deref(), force };
     let done = compute(py, &cancel, || done(config, &output, &cancel, &listener));
     if let Some(error) = listener.raised.lock().unwrap_or_else(PoisonError::into_inner).take() {
         return Err(error);
@@ -57,7 +57,7 @@ pub fn scan<'py>(
     as_dict(py, done?)
 }
 
-fn as_dict<'py>(py: Python<'py>, done: Done) -> PyResult<Bound<'py, PyDict>> {
+fn as_dict<'py>(py: Python<'py>, done: ScanOutcome) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("record", to_python(py, &done.record)?)?;
     dict.set_item("config", to_python(py, &done.config)?)?;
@@ -71,13 +71,13 @@ fn as_dict<'py>(py: Python<'py>, done: Done) -> PyResult<Bound<'py, PyDict>> {
 }
 
 /// Calls back with every step.
-struct Listener {
+struct StepListener {
     callback: Option<Py<PyAny>>,
     /// The exception raised by a call.
     raised: Mutex<Option<PyErr>>,
 }
 
-impl Listener {
+impl StepListener {
     fn call(&self, step: &nextview_scan::StepRecord) -> Result<(), Fault> {
         let Some(callback) = &self.callback else { return Ok(()) };
         let called = Python::attach(|py| callback.call1(py, (to_python(py, step)?,)).map(drop));
@@ -90,10 +90,10 @@ impl Listener {
 
 fn done(
     config: ScanConfig,
-    output: &Output<'_>,
+    output: &ScanOutput<'_>,
     cancel: &Cancel,
-    listener: &Listener,
-) -> Result<Done, Faults> {
+    listener: &StepListener,
+) -> Result<ScanOutcome, Faults> {
     output.dir.iter().try_for_each(|dir| results::begin(dir, output.force, config.inputs()).map(drop))?;
     match &config.source {
         SourceConfig::Live(_) => {
@@ -107,10 +107,10 @@ fn done(
 
 fn simulated(
     mut config: ScanConfig,
-    output: &Output<'_>,
+    output: &ScanOutput<'_>,
     cancel: &Cancel,
-    listener: &Listener,
-) -> Result<Done, Faults> {
+    listener: &StepListener,
+) -> Result<ScanOutcome, Faults> {
     let object = SimulatedObject::new(&config)?;
     config.voxel_size_m = Some(object.voxel_size);
     config.views = Some(config.max_views(object.views.len()));
@@ -121,10 +121,10 @@ fn simulated(
 
 fn recorded(
     mut config: ScanConfig,
-    output: &Output<'_>,
+    output: &ScanOutput<'_>,
     cancel: &Cancel,
-    listener: &Listener,
-) -> Result<Done, Faults> {
+    listener: &StepListener,
+) -> Result<ScanOutcome, Faults> {
     let mut scan = RecordedScan::open(&mut config)?;
     scan.look(&config, cancel)?;
     let notes = scan.notes().iter().cloned().chain(scan.skipped()).collect();
@@ -135,11 +135,11 @@ fn driven(
     source: &dyn FrameSource,
     config: &ScanConfig,
     notes: Vec<String>,
-    output: &Output<'_>,
+    output: &ScanOutput<'_>,
     cancel: &Cancel,
-    listener: &Listener,
-) -> Result<Done, Faults> {
-    let mut run = ScanRun::begin(source, config, Begin { cancel: cancel.clone(), ..Begin::default() })?;
+    listener: &StepListener,
+) -> Result<ScanOutcome, Faults> {
+    let mut run = ScanRun::begin(source, config, RunOptions { cancel: cancel.clone(), ..RunOptions::default() })?;
     let reason = run.drive(|step| listener.call(step))?;
     cancel.check()?;
     let scan = run.finish(Some(reason));
@@ -156,5 +156,5 @@ fn driven(
     };
     let snapshot = scan.session.snapshot();
     let finished = Finished::new(scan, config.clone(), record.clone());
-    Ok(Done { record, model, snapshot, finished, config: config.clone(), notes })
+    Ok(ScanOutcome { record, model, snapshot, finished, config: config.clone(), notes })
 }

@@ -9,7 +9,7 @@ use nextview::map::{Occupancy, Snapshot};
 use nextview::planner::{Greedy, GreedyConfig, Situation};
 use nextview::sensor::Frame;
 use nextview_report::page_of_scan;
-use nextview_scan::{Fault, Faults, FinishedScan, ScanConfig, ScanRecord};
+use nextview_scan::{Fault, Faults, ScanState, ScanConfig, ScanRecord};
 use numpy::{PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -17,7 +17,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// A finished scan with its record.
 #[pyclass(frozen, module = "nextview._native")]
 pub struct Finished {
-    scan: Mutex<FinishedScan<'static>>,
+    scan: Mutex<ScanState<'static>>,
     config: ScanConfig,
     record: ScanRecord,
 }
@@ -30,11 +30,11 @@ pub type MomentArrays<'py> = (usize, Bound<'py, PyArray2<f32>>, Bound<'py, PyArr
 
 impl Finished {
     /// Stores the scan and its record.
-    pub fn new(scan: FinishedScan<'_>, config: ScanConfig, record: ScanRecord) -> Self {
+    pub fn new(scan: ScanState<'_>, config: ScanConfig, record: ScanRecord) -> Self {
         Self { scan: Mutex::new(scan.without_source()), config, record }
     }
 
-    fn scan(&self) -> MutexGuard<'_, FinishedScan<'static>> {
+    fn scan(&self) -> MutexGuard<'_, ScanState<'static>> {
         self.scan.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -64,13 +64,13 @@ impl Finished {
 }
 
 /// The page of a scan with its record.
-pub fn page(scan: &FinishedScan<'_>, config: &ScanConfig, record: &ScanRecord) -> Result<String, Faults> {
+pub fn page(scan: &ScanState<'_>, config: &ScanConfig, record: &ScanRecord) -> Result<String, Faults> {
     let text = toml::to_string(config).map_err(Fault::data)?;
     Ok(page_of_scan(scan, record, config, "nextview in Python", &text))
 }
 
 /// The frame of a step, in the map or set aside.
-pub fn frame(scan: &FinishedScan<'_>, step_idx: usize) -> Result<Frame, Fault> {
+pub fn frame(scan: &ScanState<'_>, step_idx: usize) -> Result<Frame, Fault> {
     let session = &scan.session;
     let mapped = session.frame_numbers().iter().copied().zip(session.frames());
     let aside = session.set_aside().iter().map(|aside| (aside.number, &aside.frame));
@@ -104,7 +104,7 @@ impl Moment {
 
 /// The state of knowledge after each frame of the map, and the gain of each candidate at that time: the
 /// entropy of the visible unobserved voxels in nats. Empty before an object was found.
-pub fn moments(scan: &FinishedScan<'_>, config: &ScanConfig) -> Result<Vec<Moment>, Faults> {
+pub fn moments(scan: &ScanState<'_>, config: &ScanConfig) -> Result<Vec<Moment>, Faults> {
     let session = &scan.session;
     let views: Vec<usize> = (0..session.views().len()).collect();
     let planner = Greedy::<UnobservedVoxel>::new(GreedyConfig::default())?;

@@ -1,6 +1,6 @@
 //! Planners and gains written in Python.
 
-use crate::errors::Failure;
+use crate::errors::PlannerFailure;
 use crate::plan_input::{self, Grid};
 use crate::planner_class::Class;
 use crate::shown::{shown, type_of};
@@ -41,7 +41,7 @@ impl PlannerProvider for Classes {
     ) -> Result<Box<dyn ViewPlanner>, Fault> {
         let built = Python::attach(|py| {
             let Class { class, name, sight } = Class::find(py, planner)?;
-            let raised = |error| Failure::raised(py, &format!("{name}()"), error);
+            let raised = |error| PlannerFailure::raised(py, &format!("{name}()"), error);
             let instance = class.call0().map_err(raised)?.unbind();
             Ok((Instance { instance, name, seed }, sight))
         });
@@ -53,7 +53,7 @@ impl PlannerProvider for Classes {
     }
 }
 
-fn fault(planner: &ProvidedPlanner, failure: Failure) -> Fault {
+fn fault(planner: &ProvidedPlanner, failure: PlannerFailure) -> Fault {
     let fault = Fault::request(format!("the planner {planner}: {failure}")).with_cause(failure);
     fault.with_remedy(
         "it must be a class in an importable module, created without arguments: a subclass of \
@@ -74,25 +74,25 @@ impl Instance {
         py: Python<'py>,
         method: &str,
         args: impl pyo3::call::PyCallArgs<'py>,
-    ) -> Result<Bound<'py, PyAny>, Failure> {
+    ) -> Result<Bound<'py, PyAny>, PlannerFailure> {
         let was_called = IS_CALLED.replace(true);
         let result = self.instance.bind(py).call_method1(method, args);
         IS_CALLED.set(was_called);
-        result.map_err(|error| Failure::raised(py, &format!("{}.{method}", self.name), error))
+        result.map_err(|error| PlannerFailure::raised(py, &format!("{}.{method}", self.name), error))
     }
 
     fn situation<'py>(
         &self,
         py: Python<'py>,
         situation: &Situation<'_>,
-    ) -> Result<Bound<'py, PyAny>, Failure> {
+    ) -> Result<Bound<'py, PyAny>, PlannerFailure> {
         let made = plan_input::situation(py, situation, self.seed);
-        made.map_err(|error| Failure::raised(py, "the situation", error))
+        made.map_err(|error| PlannerFailure::raised(py, "the situation", error))
     }
 
-    fn wrong(&self, method: &str, answer: &Bound<'_, PyAny>, expected: &str) -> Failure {
+    fn wrong(&self, method: &str, answer: &Bound<'_, PyAny>, expected: &str) -> PlannerFailure {
         let (shown, kind) = (shown(answer), type_of(answer));
-        Failure::new(format!("{}.{method} returned {shown}, of type {kind}, expected {expected}", self.name))
+        PlannerFailure::new(format!("{}.{method} returned {shown}, of type {kind}, expected {expected}", self.name))
     }
 
     /// The view in the answer; `None` if no view gains anything.
@@ -100,7 +100,7 @@ impl Instance {
         &self,
         answer: &Bound<'_, PyAny>,
         situation: &Situation<'_>,
-    ) -> Result<Option<Choice>, Failure> {
+    ) -> Result<Option<Choice>, PlannerFailure> {
         if answer.is_none() {
             return Ok(None);
         }
@@ -128,7 +128,7 @@ impl Instance {
             _ => "it is out of reach",
         };
         let expected = "expected one of `situation.open_views`";
-        Err(Failure::new(format!("{}.plan returned view {view}, but {problem}; {expected}", self.name)))
+        Err(PlannerFailure::new(format!("{}.plan returned view {view}, but {problem}; {expected}", self.name)))
     }
 }
 
@@ -168,7 +168,7 @@ impl ViewGain for Gain {
         let (situation, grid) = self.begun.as_ref().expect("every plan begins");
         Python::attach(|py| {
             let rays = plan_input::rays(py, view, rays, grid);
-            let rays = rays.map_err(|error| Failure::raised(py, "the rays", error))?;
+            let rays = rays.map_err(|error| PlannerFailure::raised(py, "the rays", error))?;
             let answer = self.instance.call(py, "gain", (situation, rays))?;
             match answer.extract::<f64>() {
                 Ok(gain) if gain >= 0.0 && gain.is_finite() => Ok(gain),

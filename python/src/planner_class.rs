@@ -1,6 +1,6 @@
 //! Python classes of planners and gains.
 
-use crate::errors::{Failure, input_error};
+use crate::errors::{PlannerFailure, input_error};
 use nextview::visibility::{FreeSpace, Sight};
 use nextview_scan::ProvidedPlanner;
 use pyo3::prelude::*;
@@ -16,28 +16,28 @@ pub struct Class<'py> {
 
 impl<'py> Class<'py> {
     /// Finds the class of a planner.
-    pub fn find(py: Python<'py>, planner: &ProvidedPlanner) -> Result<Self, Failure> {
+    pub fn find(py: Python<'py>, planner: &ProvidedPlanner) -> Result<Self, PlannerFailure> {
         let (module, name) = (planner.module(), planner.class().to_owned());
         if name.contains("<locals>") {
-            return Err(Failure::new(format!(
+            return Err(PlannerFailure::new(format!(
                 "{name} is defined in a function, so it cannot be found by name"
             )));
         }
         let Ok(class) = found(py, module, &name)?.cast_into::<PyType>() else {
-            return Err(Failure::new(format!("{name} is not a class")));
+            return Err(PlannerFailure::new(format!("{name} is not a class")));
         };
-        let lookup = |error| Failure::raised(py, "its check", error);
+        let lookup = |error| PlannerFailure::raised(py, "its check", error);
         let is_a = |base: &str| class.is_subclass(&py.import("nextview")?.getattr(base)?);
         let sight = match (is_a("Planner").map_err(lookup)?, is_a("Gain").map_err(lookup)?) {
             (true, false) => None,
             (false, true) => Some(sight(&class, &name)?),
-            (false, false) => return Err(Failure::new(format!("{name} is neither a planner nor a gain"))),
-            (true, true) => return Err(Failure::new(format!("{name} is both a planner and a gain"))),
+            (false, false) => return Err(PlannerFailure::new(format!("{name} is neither a planner nor a gain"))),
+            (true, true) => return Err(PlannerFailure::new(format!("{name} is both a planner and a gain"))),
         };
         let missing = class.getattr("__abstractmethods__").and_then(|names| names.try_iter()?.collect());
         let missing: Vec<Bound<'_, PyAny>> = missing.map_err(lookup)?;
         match missing.first() {
-            Some(method) => Err(Failure::new(format!("{name} has no method `{method}`"))),
+            Some(method) => Err(PlannerFailure::new(format!("{name} has no method `{method}`"))),
             None => Ok(Self { class, name, sight }),
         }
     }
@@ -63,10 +63,10 @@ pub fn name_of(class: &Bound<'_, PyType>) -> PyResult<String> {
 }
 
 /// The object of this name in a module.
-fn found<'py>(py: Python<'py>, module: &str, name: &str) -> Result<Bound<'py, PyAny>, Failure> {
-    let mut found = imported(py, module).map_err(|error| Failure::raised(py, "its import", error))?;
+fn found<'py>(py: Python<'py>, module: &str, name: &str) -> Result<Bound<'py, PyAny>, PlannerFailure> {
+    let mut found = imported(py, module).map_err(|error| PlannerFailure::raised(py, "its import", error))?;
     for part in name.split('.') {
-        found = found.getattr(part).map_err(|error| Failure::raised(py, "its lookup", error))?;
+        found = found.getattr(part).map_err(|error| PlannerFailure::raised(py, "its lookup", error))?;
     }
     Ok(found)
 }
@@ -77,12 +77,12 @@ fn imported<'py>(py: Python<'py>, module: &str) -> PyResult<Bound<'py, PyAny>> {
     if known.is_none() { Ok(py.import(module)?.into_any()) } else { Ok(known) }
 }
 
-fn sight(class: &Bound<'_, PyType>, name: &str) -> Result<Sight, Failure> {
+fn sight(class: &Bound<'_, PyType>, name: &str) -> Result<Sight, PlannerFailure> {
     let given = class.getattr("free_space").and_then(|value| value.extract::<String>());
     match given.as_deref() {
         Ok("clear") => Ok(Sight::endless(FreeSpace::Clear)),
         Ok("fades") => Ok(Sight::endless(FreeSpace::Fades)),
-        Ok(other) => Err(Failure::new(format!("{name}.free_space is {other:?}, expected clear or fades"))),
-        Err(_) => Err(Failure::new(format!("{name}.free_space is not a string, expected clear or fades"))),
+        Ok(other) => Err(PlannerFailure::new(format!("{name}.free_space is {other:?}, expected clear or fades"))),
+        Err(_) => Err(PlannerFailure::new(format!("{name}.free_space is not a string, expected clear or fades"))),
     }
 }

@@ -3,7 +3,7 @@
 use nextview_report::page_of_scan;
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
-    Fault, Faults, FinishedScan, Results, ScanConfig, ScanRecord, begin_results, write_results,
+    Fault, Faults, ScanState, Results, ScanConfig, ScanRecord, begin_results, write_results,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ pub fn begin(dir: &Path, force: bool, inputs: Vec<PathBuf>) -> Result<ResultFold
 pub fn publish(
     mut folder: ResultFolder,
     config: &ScanConfig,
-    scan: &FinishedScan<'_>,
+    scan: &ScanState<'_>,
     command: &str,
 ) -> Result<(ScanRecord, Option<Faults>), Faults> {
     let Results { record, faults } = write_results(&mut folder, config, scan)?;

@@ -29,7 +29,7 @@ pub struct Scene {
 type Corners = ([f64; 3], [f64; 3]);
 
 /// A depth image and the pose that it claims.
-type Taken<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<f64>>);
+type ClaimedImage<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<f64>>);
 
 #[pymethods]
 impl Scene {
@@ -49,7 +49,7 @@ impl Scene {
         py: Python<'py>,
         world_from_camera: &Bound<'py, PyAny>,
         is_first: bool,
-    ) -> PyResult<Taken<'py>> {
+    ) -> PyResult<ClaimedImage<'py>> {
         let pose = pose_of("world_from_camera", world_from_camera)?;
         let frame = compute(py, &Cancel::default(), || {
             Ok(evaluator::capture(&self.object.scene, &pose, is_first)?.0)

@@ -18,7 +18,7 @@ pub fn housing(seed: u64) -> TriangleMesh {
     let half = DVec2::new(random.range(0.5, 1.0), random.range(0.5, 1.0));
     let height = random.range(0.3, 1.2);
     let is_open_below = random.unit() < 0.3;
-    let mut solid = Solid::default();
+    let mut solid = HousingSolid::default();
     solid.ring(&looped(DVec2::ZERO, half, is_round, height), &looped(DVec2::ZERO, half, is_round, -height));
     for (side, has_openings) in [(1.0, true), (-1.0, is_open_below)] {
         let opening = Opening::draw(&mut random, if is_open_below { 0.9 } else { 1.8 });
@@ -63,12 +63,12 @@ fn looped(middle: DVec2, half: DVec2, is_round: bool, height: f64) -> Vec<DVec3>
 }
 
 #[derive(Default)]
-struct Solid {
+struct HousingSolid {
     vertices: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
 }
 
-impl Solid {
+impl HousingSolid {
     /// A cell of a face at this height, with or without an opening.
     fn cell(
         &mut self,

@@ -63,7 +63,7 @@ impl Learning {
     }
 
     /// Learns from an action, its reward, and the largest value in the state after it, 0 at the end.
-    fn step(&mut self, (features, action): &Step, reward: f64, next: f64) {
+    fn step(&mut self, (features, action): &AgentStep, reward: f64, next: f64) {
         let error = reward + next - self.policy().values(features)[*action];
         self.trace.iter_mut().flatten().for_each(|trace| *trace *= TRACE_DECAY);
         self.trace[*action].iter_mut().zip(features).for_each(|(trace, feature)| *trace += feature);
@@ -74,14 +74,14 @@ impl Learning {
 }
 
 /// The features of a state, and the action taken in it.
-type Step = ([f64; N_FEATURES], usize);
+type AgentStep = ([f64; N_FEATURES], usize);
 
 /// An agent that learns while acting.
 struct Agent {
     learning: Learning,
     random: Random,
     explores: f64,
-    last: Option<Step>,
+    last: Option<AgentStep>,
 }
 
 impl Agent {
@@ -117,12 +117,12 @@ impl Agent {
 }
 
 /// A planner that follows an agent's actions.
-struct Learner {
+struct AgentPlanner {
     agent: Arc<Mutex<Agent>>,
     surveyor: Surveyor,
 }
 
-impl ViewPlanner for Learner {
+impl ViewPlanner for AgentPlanner {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let survey = self.surveyor.survey(situation)?;
         let choice = survey.and_then(|survey| {
@@ -141,7 +141,7 @@ pub fn learn(n_episodes: u64) -> Policy {
         agent.lock().expect("no thread panicked").begin(EXPLORES[0] + share * (EXPLORES[1] - EXPLORES[0]));
         let surveyor = Surveyor::new(RAY_SPACING).expect("the spacing is in range");
         let trial = Trial::new(seeds::KABA.start + episode);
-        trial.n_views(Box::new(Learner { agent: agent.clone(), surveyor }));
+        trial.n_views(Box::new(AgentPlanner { agent: agent.clone(), surveyor }));
         agent.lock().expect("no thread panicked").end();
     }
     agent.lock().expect("no thread panicked").learning.policy()

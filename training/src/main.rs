@@ -14,7 +14,7 @@ mod scans;
 use nextview::prior::{Network, SurfacePrior, ViewingClass};
 use nextview_sim::mesh::{self, Unit};
 use nextview_sim::random_object::seeds;
-use optimizer::{Sample, loss, train};
+use optimizer::{VoxelSample, loss, train};
 use rayon::prelude::*;
 use scans::{Source, Target};
 use std::error::Error;
@@ -91,13 +91,13 @@ fn random_objects(seeds: Range<u64>, n: usize) -> Result<Vec<Source>, String> {
 }
 
 /// The samples of all sources, one source after the other.
-fn samples(sources: &[Source], target: Target<'_>, n_per_view: usize) -> Vec<Sample> {
-    let parts: Vec<Vec<Sample>> =
+fn samples(sources: &[Source], target: Target<'_>, n_per_view: usize) -> Vec<VoxelSample> {
+    let parts: Vec<Vec<VoxelSample>> =
         sources.par_iter().map(|source| source.samples(target, n_per_view)).collect();
     parts.concat()
 }
 
-fn report(name: &str, network: &Network, n_outputs: usize, held_out: &[Sample]) {
+fn report(name: &str, network: &Network, n_outputs: usize, held_out: &[VoxelSample]) {
     println!("{name}: cross entropy {:.4} on objects held out", loss(network, n_outputs, held_out));
 }
 

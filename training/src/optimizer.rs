@@ -4,7 +4,7 @@ use nextview::prior::{Network, VoxelFeatures};
 
 /// A training sample: whether a statement holds for a voxel with these features.
 #[derive(Clone, Copy, Debug)]
-pub struct Sample {
+pub struct VoxelSample {
     /// The features of the voxel.
     pub row: [f32; N],
     /// The trained output of the network.
@@ -25,7 +25,7 @@ const STEP: f32 = 2e-3;
 
 /// Trains a network on randomly drawn samples, `n_epochs` times their number: Adam (Kingma & Ba 2015) on the
 /// cross entropy, with linearly decreasing steps.
-pub fn train(samples: &[Sample], n_outputs: usize, n_epochs: usize, seed: u64) -> Network {
+pub fn train(samples: &[VoxelSample], n_outputs: usize, n_epochs: usize, seed: u64) -> Network {
     let mut random = Random::new(seed, 5);
     let mut learner = Learner::new(samples, n_outputs, &mut random);
     let n_steps = n_epochs * samples.len() / BATCH;
@@ -40,7 +40,7 @@ pub fn train(samples: &[Sample], n_outputs: usize, n_epochs: usize, seed: u64) -
 }
 
 /// Returns the mean cross entropy, nats per sample; lower is better.
-pub fn loss(network: &Network, n_outputs: usize, samples: &[Sample]) -> f64 {
+pub fn loss(network: &Network, n_outputs: usize, samples: &[VoxelSample]) -> f64 {
     let rows: Vec<[f32; N]> = samples.iter().map(|sample| sample.row).collect();
     let probabilities = network.probabilities(&rows, &Cancel::default()).expect("nobody cancels");
     let losses = samples.iter().zip(probabilities.chunks_exact(n_outputs)).map(|(sample, outputs)| {
@@ -66,7 +66,7 @@ const SECOND: usize = FIRST + (N + 1) * WIDE;
 const THIRD: usize = SECOND + (WIDE + 1) * NARROW;
 
 impl Learner {
-    fn new(samples: &[Sample], n_outputs: usize, random: &mut Random) -> Self {
+    fn new(samples: &[VoxelSample], n_outputs: usize, random: &mut Random) -> Self {
         let n = Network::n_numbers(n_outputs);
         let (mut means, mut scales) = ([0.0_f32; N], [0.0_f32; N]);
         for feature in 0..N {
@@ -86,7 +86,7 @@ impl Learner {
     }
 
     /// Adds the gradient of the cross entropy of a sample.
-    fn learn(&mut self, sample: &Sample) {
+    fn learn(&mut self, sample: &VoxelSample) {
         let mut inputs = [0.0; N];
         for (i, input) in inputs.iter_mut().enumerate() {
             *input = (sample.row[i] - self.numbers[i]) * self.numbers[N + i];
@@ -159,13 +159,13 @@ impl Learner {
 mod tests {
     use super::*;
 
-    fn samples(n: usize, seed: u64) -> Vec<Sample> {
+    fn samples(n: usize, seed: u64) -> Vec<VoxelSample> {
         let mut random = Random::new(seed, 0);
         let sample = |_| {
             let row = [(); N].map(|()| random.range(-2.0, 3.0) as f32);
             let output = random.index(2);
             // Not linearly separable.
-            Sample { row, output: output as u8, is_so: (row[0] * row[1] > 0.0) ^ (output == 1) }
+            VoxelSample { row, output: output as u8, is_so: (row[0] * row[1] > 0.0) ^ (output == 1) }
         };
         (0..n).map(sample).collect()
     }

@@ -1,5 +1,5 @@
 use crate::housing::housing;
-use crate::optimizer::Sample;
+use crate::optimizer::VoxelSample;
 use glam::{DQuat, DVec2, DVec3};
 use nextview::Cancel;
 use nextview::gain::ExpectedSurface;
@@ -14,7 +14,7 @@ use nextview::session::{Decision, Session, SessionConfig};
 use nextview::view::{ViewSpace, generate};
 use nextview::visibility::MeasuredParts;
 use nextview_sim::mesh::TriangleMesh;
-use nextview_sim::noise::{DepthNoise, Noise, PoseError};
+use nextview_sim::noise::{SensorNoise, Noise, PoseError};
 use nextview_sim::random_object::random_object;
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
@@ -65,9 +65,9 @@ pub enum Target<'a> {
 
 impl Source {
     /// Returns samples from a scan, up to `n_per_view` after each view.
-    pub fn samples(&self, target: Target<'_>, n_per_view: usize) -> Vec<Sample> {
+    pub fn samples(&self, target: Target<'_>, n_per_view: usize) -> Vec<VoxelSample> {
         let mut random = Random::new(self.seed, 21);
-        let scan = Scan::new(self, &mut random);
+        let scan = TrainingScan::new(self, &mut random);
         let planner: Box<dyn ViewPlanner> = match target {
             Target::Shows(prior) if random.unit() < 0.5 => {
                 let planner = MostSurface::with_prior(MostSurfaceConfig::default(), prior.clone());
@@ -90,7 +90,7 @@ impl Source {
             let n_samples = if all.is_empty() { 0 } else { n_per_view };
             samples.extend((0..n_samples).map(|_| {
                 let Observation { item, output, is_so } = all[random.index(all.len())];
-                Sample { row: features.rows[item as usize], output, is_so }
+                VoxelSample { row: features.rows[item as usize], output, is_so }
             }));
         }
         samples
@@ -125,7 +125,7 @@ fn varied(mesh: &TriangleMesh, random: &mut Random) -> TriangleMesh {
 }
 
 /// An object in front of a camera.
-struct Scan {
+struct TrainingScan {
     scene: Scene,
     views: ViewSpace,
     voxel_size: f64,
@@ -144,7 +144,7 @@ struct Observation {
     is_so: bool,
 }
 
-impl Scan {
+impl TrainingScan {
     fn new(source: &Source, random: &mut Random) -> Self {
         let voxel_size = VOXEL_SIZES[random.index(VOXEL_SIZES.len())];
         let has_table = random.unit() < WITH_TABLE;
@@ -153,7 +153,7 @@ impl Scan {
         let scene = if has_table { scene.with_table().expect("the camera stands above") } else { scene };
         let noise = Noise {
             seed: source.seed,
-            depth: Some(DepthNoise::d435i()),
+            depth: Some(SensorNoise::d435i()),
             pose: PoseError { translation_sigma: 0.002, rotation_sigma: 0.2_f64.to_radians() },
             first_pose_is_right: true,
         };

@@ -1,6 +1,6 @@
 use super::Slips;
 use super::gain::Qualities;
-use super::rays::Rays;
+use super::rays::PlanningRays;
 use nextview::flow::BestSets;
 use nextview::geometry::random::Random;
 
@@ -11,7 +11,7 @@ const THRESHOLD: f64 = 0.3;
 /// optimal flows of eq. (3), in which every voxel independently takes a ray of largest quality.
 pub fn optimal_views(
     qualities: &Qualities,
-    rays: &Rays,
+    rays: &PlanningRays,
     n_voxels: usize,
     slips: Slips,
     is_visited: impl Fn(usize) -> bool,

@@ -1,5 +1,5 @@
 use super::map::{FREE, Knowledge, OCCUPIED};
-use super::rays::Rays;
+use super::rays::PlanningRays;
 use super::{Outcome, Slips};
 use nextview::Cancel;
 use nextview::gain::object_probability;
@@ -40,7 +40,7 @@ impl Qualities {
     }
 
     /// Returns the local gain of every view, eq. (1).
-    pub fn local_gains(&self, rays: &Rays) -> Vec<f64> {
+    pub fn local_gains(&self, rays: &PlanningRays) -> Vec<f64> {
         let sum = |voxels: &Vec<u32>| self.along(voxels).map(|(_, quality)| quality).sum();
         let of_ray: Vec<f64> = rays.voxels.iter().map(sum).collect();
         let of_view = |numbers: &Vec<u32>| numbers.iter().map(|&ray| of_ray[ray as usize]).sum();

@@ -1,5 +1,5 @@
 use super::recording::N_SCANS;
-use super::run::{Choice, Scene, Step};
+use super::run::{ChoiceRule, ScannedObject, StepResult};
 use super::{Outcome, Repair, Slips};
 use rayon::prelude::*;
 use std::time::Duration;
@@ -22,13 +22,13 @@ pub struct Rung {
 
 impl Rung {
     /// Runs with these slips, once per choice.
-    pub fn run(name: &str, scene: &Scene, slips: Slips, choices: &[Choice]) -> Outcome<Self> {
-        let run = |&choice: &Choice| scene.run(slips, choice).map_err(|error| error.to_string());
-        let runs: Vec<Vec<Step>> = choices.par_iter().map(run).collect::<Result<_, _>>()?;
-        let mean = |value: &dyn Fn(&[Step]) -> f64| {
+    pub fn run(name: &str, scene: &ScannedObject, slips: Slips, choices: &[ChoiceRule]) -> Outcome<Self> {
+        let run = |&choice: &ChoiceRule| scene.run(slips, choice).map_err(|error| error.to_string());
+        let runs: Vec<Vec<StepResult>> = choices.par_iter().map(run).collect::<Result<_, _>>()?;
+        let mean = |value: &dyn Fn(&[StepResult]) -> f64| {
             runs.iter().map(|run| value(run)).sum::<f64>() / runs.len() as f64
         };
-        let last = |run: &[Step]| run[N_SCANS - 1].coverage;
+        let last = |run: &[StepResult]| run[N_SCANS - 1].coverage;
         let plans = || runs.iter().flatten().filter_map(|step| step.plan.as_ref());
         let n_plans = plans().count().max(1) as u32;
         Ok(Self {
@@ -46,12 +46,12 @@ impl Rung {
 }
 
 /// Returns the paper's defaults with `n` draws; `lasting` draws hold for a run, others for a plan.
-pub fn orders(n: u64, lasting: bool) -> Vec<Choice> {
-    (0..n).map(|order| Choice::MaxFlow { gamma: 0.5, uses_history: true, order, lasting }).collect()
+pub fn orders(n: u64, lasting: bool) -> Vec<ChoiceRule> {
+    (0..n).map(|order| ChoiceRule::MaxFlow { gamma: 0.5, uses_history: true, order, lasting }).collect()
 }
 
 /// Runs the authors' program, then repairs one slip after the other.
-pub fn cumulative(scene: &Scene, choices: &[Choice]) -> Outcome<Vec<Rung>> {
+pub fn cumulative(scene: &ScannedObject, choices: &[ChoiceRule]) -> Outcome<Vec<Rung>> {
     let mut slips = Slips::AUTHORS_CODE;
     let mut rungs = vec![Rung::run("authors-code", scene, slips, choices)?];
     for (name, repair) in Slips::REPAIRS {
@@ -62,7 +62,7 @@ pub fn cumulative(scene: &Scene, choices: &[Choice]) -> Outcome<Vec<Rung>> {
 }
 
 /// Runs the authors' program with each slip repaired alone.
-pub fn alone(scene: &Scene, choices: &[Choice]) -> Outcome<Vec<Rung>> {
+pub fn alone(scene: &ScannedObject, choices: &[ChoiceRule]) -> Outcome<Vec<Rung>> {
     let rung = |(name, repair): Repair| {
         let mut slips = Slips::AUTHORS_CODE;
         repair(&mut slips);
@@ -72,7 +72,7 @@ pub fn alone(scene: &Scene, choices: &[Choice]) -> Outcome<Vec<Rung>> {
 }
 
 /// Runs other weights of the flow, with these slips: the extremes of table IV.
-pub fn weights(scene: &Scene, slips: Slips, n: u64, kind: &str) -> Outcome<Vec<Rung>> {
+pub fn weights(scene: &ScannedObject, slips: Slips, n: u64, kind: &str) -> Outcome<Vec<Rung>> {
     let cases = [
         ("gamma 0", 0.0, true),
         ("gamma 1", 1.0, true),
@@ -81,7 +81,7 @@ pub fn weights(scene: &Scene, slips: Slips, n: u64, kind: &str) -> Outcome<Vec<R
     ];
     let rung = |(name, gamma, uses_history)| {
         let choices: Vec<_> =
-            (0..n).map(|order| Choice::MaxFlow { gamma, uses_history, order, lasting: false }).collect();
+            (0..n).map(|order| ChoiceRule::MaxFlow { gamma, uses_history, order, lasting: false }).collect();
         Rung::run(&format!("{kind}, {name}"), scene, slips, &choices)
     };
     cases.into_iter().map(rung).collect()

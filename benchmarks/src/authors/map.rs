@@ -1,6 +1,6 @@
 use super::Outcome;
-use super::recording::{Recording, VOXEL_SIZE};
-use super::sensor::Image;
+use super::recording::{RecordedRun, VOXEL_SIZE};
+use super::sensor::CameraImage;
 use glam::DVec3;
 use nextview::geometry::{Lattice, VoxelBlock, VoxelKey};
 use nextview::map::{
@@ -28,7 +28,7 @@ impl Map {
 
     /// Inserts an image of a camera at `origin`: a voxel with a point is a hit, other voxels on the way to a
     /// point are misses, and, unless `hits_only`, so are those on the way past the object.
-    pub fn insert(&mut self, image: &Image, origin: DVec3, hits_only: bool) -> Outcome<()> {
+    pub fn insert(&mut self, image: &CameraImage, origin: DVec3, hits_only: bool) -> Outcome<()> {
         if hits_only {
             let whole = Integration { background: Background::Ignore, ..Integration::default() };
             self.map.integrate_points(&image.points, origin, &whole)?;
@@ -58,7 +58,7 @@ pub struct Knowledge {
 impl Knowledge {
     /// Creates it from the log-odds of the existing voxels. With the authors' bands, 0.45 to 0.65 is unknown;
     /// otherwise only what was never measured.
-    pub fn new(log_odds: &[f32], recording: &Recording, by_bands: bool) -> Outcome<Self> {
+    pub fn new(log_odds: &[f32], recording: &RecordedRun, by_bands: bool) -> Outcome<Self> {
         let value = |key: VoxelKey| recording.created.index(key).map_or(0.0, |voxel| log_odds[voxel]);
         let known = |key: VoxelKey| {
             let value = LogOdds(value(key));
@@ -91,7 +91,7 @@ impl Knowledge {
 
     /// Returns for every existing voxel whether planning rays end in it: occupied voxels and, with the slip,
     /// all voxels with log-odds of 0 or more, including those never measured.
-    pub fn ray_ends(&self, log_odds: &[f32], stop_at_unknown: bool, recording: &Recording) -> Vec<bool> {
+    pub fn ray_ends(&self, log_odds: &[f32], stop_at_unknown: bool, recording: &RecordedRun) -> Vec<bool> {
         let created = recording.created;
         let is_occupied = |voxel: usize| {
             let in_box = recording.block.index(created.key(voxel));

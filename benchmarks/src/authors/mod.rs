@@ -6,7 +6,7 @@
 //!
 //! Found by fitting to the recorded maps and networks, because no description states it: the roll of the
 //! cameras ([`camera`]), the distance between the rays of a view ([`outline`]), and the layers of voxels just
-//! outside the box in which rays also end ([`recording::Recording::created`]).
+//! outside the box in which rays also end ([`recording::RecordedRun::created`]).
 
 /// The camera's roll.
 pub mod camera;

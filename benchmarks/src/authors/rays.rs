@@ -1,6 +1,6 @@
 use super::camera::look_from;
 use super::outline::Outline;
-use super::recording::{Recording, VOXEL_SIZE};
+use super::recording::{RecordedRun, VOXEL_SIZE};
 use super::{Outcome, Slips};
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice, Pose, SegmentWalk, VoxelBlock, VoxelKey};
@@ -13,7 +13,7 @@ const APART: f64 = 10.0;
 
 /// The planning rays of all views. Rays of different views that cross the box from the same first to the same
 /// last voxel are one.
-pub struct Rays {
+pub struct PlanningRays {
     /// By ray, the box's voxels along it, in order.
     pub voxels: Vec<Vec<u32>>,
     /// By view, its rays, each once, in increasing order.
@@ -23,7 +23,7 @@ pub struct Rays {
 /// Casts rays through a map.
 pub struct RayCaster<'a> {
     /// The box, the voxels that exist, and the views.
-    pub recording: &'a Recording,
+    pub recording: &'a RecordedRun,
     /// The camera that defines the rays by its pixels.
     pub intrinsics: &'a Intrinsics,
     /// The program's slips.
@@ -34,7 +34,7 @@ pub struct RayCaster<'a> {
 
 impl RayCaster<'_> {
     /// Casts the rays of all views, with their roll after this camera.
-    pub fn cast(&self, before: &Pose) -> Outcome<Rays> {
+    pub fn cast(&self, before: &Pose) -> Outcome<PlanningRays> {
         // Errors that may pass between threads.
         let one = |&position: &DVec3| -> Result<_, String> {
             let camera = look_from(position, self.recording.center, before).map_err(|e| e.to_string())?;
@@ -42,7 +42,7 @@ impl RayCaster<'_> {
         };
         let views: Vec<Vec<Vec<u32>>> =
             self.recording.positions.par_iter().map(one).collect::<Result<_, _>>()?;
-        let mut rays = Rays { voxels: Vec::new(), of_view: Vec::new() };
+        let mut rays = PlanningRays { voxels: Vec::new(), of_view: Vec::new() };
         let mut numbers = HashMap::new();
         for view in views {
             let mut of_view: Vec<u32> = Vec::new();

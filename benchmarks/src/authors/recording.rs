@@ -16,7 +16,7 @@ pub const VOXEL_SIZE: f64 = 0.01;
 pub const N_SCANS: usize = RECORDED_VIEWS.len();
 
 /// The authors' recorded Armadillo run: candidates, box, true shape and the map after each scan.
-pub struct Recording {
+pub struct RecordedRun {
     /// Positions of the candidate cameras, in metres. All look at `center`; the first view is candidate 0.
     pub positions: Vec<DVec3>,
     /// Centre of the object's box, in metres.
@@ -36,12 +36,12 @@ pub struct Recording {
     pub maps: Vec<Vec<f32>>,
 }
 
-impl Recording {
+impl RecordedRun {
     /// Reads the folder; an error names the file and its fault.
     pub fn read(folder: &Path) -> Outcome<Self> {
         let path = folder.join("candidate_views.txt");
         let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let candidates = Candidates::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
+        let candidates = CandidateFile::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
         let lattice = Lattice::new(VOXEL_SIZE)?;
         let aabb = Aabb::cube(candidates.center, candidates.half);
         let block = lattice.block_inside(&aabb).ok_or_else(|| {
@@ -72,13 +72,13 @@ fn created_voxels(aabb: &Aabb) -> Option<VoxelBlock> {
 }
 
 /// The content of `candidate_views.txt`.
-struct Candidates {
+struct CandidateFile {
     positions: Vec<DVec3>,
     center: DVec3,
     half: f64,
 }
 
-impl Candidates {
+impl CandidateFile {
     fn parse(text: &str) -> Outcome<Self> {
         let mut words = text.split_whitespace();
         let n: usize = next(&mut words, "the number of views")?;

@@ -4,7 +4,7 @@ use super::recording::N_SCANS;
 use super::reference::{
     CURVES, FIRST_PLAN, FIRST_PLAN_THROUGH_UNKNOWN, ORDER_LIKE_FIXED, ORDER_LIKE_RECORDED,
 };
-use super::run::{Choice, Scene, Survey};
+use super::run::{ChoiceRule, ScannedObject, FirstPlan};
 use super::{Outcome, Slips};
 use std::fmt::Write;
 
@@ -18,7 +18,7 @@ pub struct Effort {
 }
 
 /// All measurements of the program `authors_code`, as CSV, and planning times, which differ between runs.
-pub struct Report {
+pub struct Measurements {
     /// The recorded views, scanned again.
     pub scans: String,
     /// The first plan on the recorded first map.
@@ -29,10 +29,10 @@ pub struct Report {
     pub times: String,
 }
 
-impl Report {
+impl Measurements {
     /// Runs everything, and passes the name of the current part to `under_way`. All but the times are
     /// bit-identical in every run.
-    pub fn new(scene: &Scene, effort: Effort, under_way: impl Fn(&str)) -> Outcome<Self> {
+    pub fn new(scene: &ScannedObject, effort: Effort, under_way: impl Fn(&str)) -> Outcome<Self> {
         let (choices, n) = (ladder::orders(effort.n_orders, false), effort.n_orders);
         under_way("recorded views");
         let scans = replay(scene)?;
@@ -43,13 +43,13 @@ impl Report {
         let mut report = Self { scans, first_plan, coverage, times: String::new() };
         under_way("slip after slip");
         let mut rungs = vec![
-            Rung::run("recorded views", scene, Slips::AUTHORS_CODE, &[Choice::Recorded])?,
+            Rung::run("recorded views", scene, Slips::AUTHORS_CODE, &[ChoiceRule::Recorded])?,
             one_order(scene, ORDER_LIKE_RECORDED)?,
             one_order(scene, ORDER_LIKE_FIXED)?,
         ];
         rungs.extend(ladder::cumulative(scene, &choices)?);
         under_way("random views");
-        let random: Vec<_> = (0..effort.n_random).map(Choice::Random).collect();
+        let random: Vec<_> = (0..effort.n_random).map(ChoiceRule::Random).collect();
         rungs.push(Rung::run("random views", scene, Slips::AUTHORS_CODE, &random)?);
         report.rungs("one after the other", &CURVES, &rungs)?;
         under_way("each slip alone");
@@ -89,17 +89,17 @@ fn columns(curve: &[f64]) -> String {
     curve.iter().map(|coverage| format!("{coverage:.3}")).collect::<Vec<_>>().join(",")
 }
 
-fn one_order(scene: &Scene, order: u64) -> Outcome<Rung> {
+fn one_order(scene: &ScannedObject, order: u64) -> Outcome<Rung> {
     let name = format!("authors-code, order {order}");
-    Rung::run(&name, scene, Slips::AUTHORS_CODE, &[Choice::max_flow(order)])
+    Rung::run(&name, scene, Slips::AUTHORS_CODE, &[ChoiceRule::max_flow(order)])
 }
 
-fn replay(scene: &Scene) -> Outcome<String> {
+fn replay(scene: &ScannedObject) -> Outcome<String> {
     let mut table =
         "scan,view,recorded_occupied,occupied,recorded_entropy_nats,entropy_nats,different_voxels\n"
             .to_owned();
     let recording = &scene.recording;
-    for (scan, step) in scene.run(Slips::AUTHORS_CODE, Choice::Recorded)?.iter().enumerate() {
+    for (scan, step) in scene.run(Slips::AUTHORS_CODE, ChoiceRule::Recorded)?.iter().enumerate() {
         let theirs = &recording.maps[scan];
         let [ours, recorded] = [&step.log_odds, theirs].map(|map| Knowledge::new(map, recording, true));
         let (ours, recorded) = (ours?, recorded?);
@@ -118,7 +118,7 @@ fn replay(scene: &Scene) -> Outcome<String> {
     Ok(table)
 }
 
-fn first_plan(scene: &Scene) -> Outcome<String> {
+fn first_plan(scene: &ScannedObject) -> Outcome<String> {
     let mut table =
         "rays_rule,program,n_rays,rays_per_view,views_without_rays,flow_voxels,flow_edges,quality\n"
             .to_owned();
@@ -139,7 +139,7 @@ fn first_plan(scene: &Scene) -> Outcome<String> {
     Ok(table)
 }
 
-fn facts(survey: &Survey) -> [f64; 6] {
-    let Survey { n_rays, rays_per_view, n_views_without, n_voxels, n_edges, quality } = *survey;
+fn facts(survey: &FirstPlan) -> [f64; 6] {
+    let FirstPlan { n_rays, rays_per_view, n_views_without, n_voxels, n_edges, quality } = *survey;
     [n_rays as f64, rays_per_view, n_views_without as f64, n_voxels as f64, n_edges as f64, quality]
 }

@@ -2,8 +2,8 @@ use super::camera::look_from;
 use super::flow::{Ties, flow_gains, in_flow, optimal_views};
 use super::gain::Qualities;
 use super::map::{Knowledge, Map};
-use super::rays::{RayCaster, Rays};
-use super::recording::{N_SCANS, RECORDED_VIEWS, Recording};
+use super::rays::{RayCaster, PlanningRays};
+use super::recording::{N_SCANS, RECORDED_VIEWS, RecordedRun};
 use super::sensor::VirtualCamera;
 use super::{Outcome, Slips};
 use nextview::geometry::Pose;
@@ -12,16 +12,16 @@ use nextview::sensor::Intrinsics;
 use std::time::{Duration, Instant};
 
 /// The object in front of the camera.
-pub struct Scene {
+pub struct ScannedObject {
     /// The recorded run.
-    pub recording: Recording,
+    pub recording: RecordedRun,
     camera: VirtualCamera,
     intrinsics: Intrinsics,
 }
 
 /// A rule for choosing views.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Choice {
+pub enum ChoiceRule {
     /// The views of the recorded run.
     Recorded,
     /// Random views, from a draw with this number.
@@ -39,7 +39,7 @@ pub enum Choice {
     },
 }
 
-impl Choice {
+impl ChoiceRule {
     /// Returns the paper's defaults, with this draw of thread timing.
     pub fn max_flow(order: u64) -> Self {
         Self::MaxFlow { gamma: 0.5, uses_history: true, order, lasting: false }
@@ -47,7 +47,7 @@ impl Choice {
 }
 
 /// The result of a scan.
-pub struct Step {
+pub struct StepResult {
     /// The view of the scan.
     pub view: usize,
     /// The log-odds of the existing voxels.
@@ -68,17 +68,17 @@ pub struct PlanFacts {
     pub time: Duration,
 }
 
-impl Scene {
+impl ScannedObject {
     /// Puts the recorded object in front of the paper's camera.
-    pub fn new(recording: Recording) -> Outcome<Self> {
+    pub fn new(recording: RecordedRun) -> Outcome<Self> {
         let intrinsics = Intrinsics::d435i();
         let camera = VirtualCamera::new(&recording.surface, &intrinsics)?;
         Ok(Self { recording, camera, intrinsics })
     }
 
     /// Takes ten scans with these slips, the first from view 0.
-    pub fn run(&self, slips: Slips, choice: Choice) -> Outcome<Vec<Step>> {
-        let mut state = State::new(self, slips, choice)?;
+    pub fn run(&self, slips: Slips, choice: ChoiceRule) -> Outcome<Vec<StepResult>> {
+        let mut state = RunState::new(self, slips, choice)?;
         let (mut steps, mut view) = (Vec::new(), 0);
         loop {
             let mut step = state.scan(view)?;
@@ -93,7 +93,7 @@ impl Scene {
 }
 
 /// The rays and the flow of a first plan.
-pub struct Survey {
+pub struct FirstPlan {
     /// Number of distinct rays.
     pub n_rays: usize,
     /// Mean number of rays per view.
@@ -108,17 +108,17 @@ pub struct Survey {
     pub quality: f64,
 }
 
-impl Scene {
+impl ScannedObject {
     /// Plans on the recorded first map.
-    pub fn survey(&self, slips: Slips) -> Outcome<Survey> {
-        let mut state = State::new(self, slips, Choice::Recorded)?;
+    pub fn survey(&self, slips: Slips) -> Outcome<FirstPlan> {
+        let mut state = RunState::new(self, slips, ChoiceRule::Recorded)?;
         state.camera = look_from(self.recording.positions[0], self.recording.center, &state.camera)?;
         state.log_odds.clone_from(&self.recording.maps[0]);
         let knowledge = Knowledge::new(&state.log_odds, &self.recording, slips.unknown_by_bands)?;
         let (rays, qualities) = (state.cast(&knowledge)?, Qualities::new(&knowledge, slips)?);
         let best = optimal_views(&qualities, &rays, self.recording.block.n_voxels(), slips, |_| false);
         let numbers = || rays.of_view.iter().flatten();
-        Ok(Survey {
+        Ok(FirstPlan {
             n_rays: rays.voxels.len(),
             rays_per_view: numbers().count() as f64 / rays.of_view.len() as f64,
             n_views_without: rays.of_view.iter().filter(|rays| rays.is_empty()).count(),
@@ -132,30 +132,30 @@ impl Scene {
 }
 
 /// A run in progress.
-struct State<'a> {
-    scene: &'a Scene,
+struct RunState<'a> {
+    scene: &'a ScannedObject,
     slips: Slips,
-    choice: Choice,
+    choice: ChoiceRule,
     draw: Random,
     ties: Ties,
     map: Map,
     camera: Pose,
     visited: Vec<usize>,
     log_odds: Vec<f32>,
-    rays: Option<Rays>,
+    rays: Option<PlanningRays>,
     plans: Vec<Vec<u32>>,
 }
 
-impl<'a> State<'a> {
-    fn new(scene: &'a Scene, slips: Slips, choice: Choice) -> Outcome<Self> {
+impl<'a> RunState<'a> {
+    fn new(scene: &'a ScannedObject, slips: Slips, choice: ChoiceRule) -> Outcome<Self> {
         let draw = match choice {
-            Choice::Random(draw) => Random::new(draw, 1),
-            Choice::Recorded | Choice::MaxFlow { .. } => Random::new(0, 0),
+            ChoiceRule::Random(draw) => Random::new(draw, 1),
+            ChoiceRule::Recorded | ChoiceRule::MaxFlow { .. } => Random::new(0, 0),
         };
         let ties = match choice {
-            Choice::MaxFlow { order, lasting: true, .. } => Ties::Lasting(order),
-            Choice::MaxFlow { order, lasting: false, .. } => Ties::Anew(Random::new(order, 2)),
-            Choice::Recorded | Choice::Random(_) => Ties::Lasting(0),
+            ChoiceRule::MaxFlow { order, lasting: true, .. } => Ties::Lasting(order),
+            ChoiceRule::MaxFlow { order, lasting: false, .. } => Ties::Anew(Random::new(order, 2)),
+            ChoiceRule::Recorded | ChoiceRule::Random(_) => Ties::Lasting(0),
         };
         let map = Map::new(scene.recording.created)?;
         let (visited, log_odds, plans) = Default::default();
@@ -164,7 +164,7 @@ impl<'a> State<'a> {
     }
 
     /// Takes a scan and inserts it into the map.
-    fn scan(&mut self, view: usize) -> Outcome<Step> {
+    fn scan(&mut self, view: usize) -> Outcome<StepResult> {
         let recording = &self.scene.recording;
         self.camera = look_from(recording.positions[view], recording.center, &self.camera)?;
         let image = self.scene.camera.scan(&self.camera, !self.slips.hits_only);
@@ -172,7 +172,7 @@ impl<'a> State<'a> {
         self.visited.push(view);
         self.log_odds = self.map.log_odds();
         let knowledge = Knowledge::new(&self.log_odds, recording, self.slips.unknown_by_bands)?;
-        Ok(Step {
+        Ok(StepResult {
             view,
             log_odds: self.log_odds.clone(),
             coverage: knowledge.n_occupied() as f64 / recording.n_object_voxels as f64,
@@ -183,14 +183,14 @@ impl<'a> State<'a> {
 
     fn choose(&mut self) -> Outcome<(usize, Option<PlanFacts>)> {
         match self.choice {
-            Choice::Recorded => Ok((RECORDED_VIEWS[self.visited.len()], None)),
-            Choice::Random(_) => loop {
+            ChoiceRule::Recorded => Ok((RECORDED_VIEWS[self.visited.len()], None)),
+            ChoiceRule::Random(_) => loop {
                 let view = self.draw.index(self.scene.recording.positions.len());
                 if !self.visited.contains(&view) {
                     return Ok((view, None));
                 }
             },
-            Choice::MaxFlow { gamma, uses_history, .. } => {
+            ChoiceRule::MaxFlow { gamma, uses_history, .. } => {
                 self.plan(gamma, uses_history).map(|(view, facts)| (view, Some(facts)))
             }
         }
@@ -231,7 +231,7 @@ impl<'a> State<'a> {
         Ok((view, PlanFacts { n_rays, time: start.elapsed() }))
     }
 
-    fn cast(&self, knowledge: &Knowledge) -> Outcome<Rays> {
+    fn cast(&self, knowledge: &Knowledge) -> Outcome<PlanningRays> {
         let is_end =
             knowledge.ray_ends(&self.log_odds, self.slips.rays_stop_at_unknown, &self.scene.recording);
         let (recording, intrinsics) = (&self.scene.recording, &self.scene.intrinsics);

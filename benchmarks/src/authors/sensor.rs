@@ -26,7 +26,7 @@ pub struct VirtualCamera {
 }
 
 /// An image of the camera.
-pub struct Image {
+pub struct CameraImage {
     /// The centres of the visible voxels, each once, in the order of the voxels.
     pub points: Vec<DVec3>,
     /// Points beyond the object on rays that miss it, if requested.
@@ -49,9 +49,9 @@ impl VirtualCamera {
     }
 
     /// Takes an image from this pose, with or without the background.
-    pub fn scan(&self, world_from_camera: &Pose, with_background: bool) -> Image {
+    pub fn scan(&self, world_from_camera: &Pose, with_background: bool) -> CameraImage {
         let background = if with_background { self.background(world_from_camera) } else { Vec::new() };
-        Image { points: self.points(world_from_camera), background }
+        CameraImage { points: self.points(world_from_camera), background }
     }
 
     fn points(&self, world_from_camera: &Pose) -> Vec<DVec3> {

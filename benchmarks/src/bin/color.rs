@@ -40,7 +40,7 @@ const SMALL_PSNR: f64 = 18.0;
 
 /// The properties of the camera.
 #[derive(Clone, Copy, PartialEq)]
-enum Camera {
+enum ColorCamera {
     Exact,
     D435i,
     /// The same pictures, each with its own exposure.
@@ -52,9 +52,9 @@ fn main() -> Outcome<()> {
     let [program, out, rest @ ..] = &words[..] else { return Err("expected PROGRAM OUT [--small]".into()) };
     let out = Path::new(out);
     let small = rest == ["--small"];
-    let (names, cameras, n_views): (&[&str], &[Camera], usize) = match small {
-        true => (&["mug", "package"], &[Camera::D435i], 6),
-        false => (&painted::NAMES, &[Camera::Exact, Camera::D435i, Camera::Exposures], 12),
+    let (names, cameras, n_views): (&[&str], &[ColorCamera], usize) = match small {
+        true => (&["mug", "package"], &[ColorCamera::D435i], 6),
+        false => (&painted::NAMES, &[ColorCamera::Exact, ColorCamera::D435i, ColorCamera::Exposures], 12),
     };
     fs::create_dir_all(out.join("pictures"))?;
     let mut table = String::from(
@@ -66,12 +66,12 @@ fn main() -> Outcome<()> {
         let object = painted::write_object(name, out)?;
         for camera in cameras {
             let folder = match camera {
-                Camera::Exact => out.join(format!("{name}-exact")),
-                Camera::D435i | Camera::Exposures => out.join(format!("{name}-d435i")),
+                ColorCamera::Exact => out.join(format!("{name}-exact")),
+                ColorCamera::D435i | ColorCamera::Exposures => out.join(format!("{name}-d435i")),
             };
-            let scanned = Scanned { program, folder };
+            let scanned = PaintedScan { program, folder };
             match camera {
-                Camera::Exposures => expose(&scanned.folder.join("scan/frames/color"))?,
+                ColorCamera::Exposures => expose(&scanned.folder.join("scan/frames/color"))?,
                 _ => scanned.scan(&object, *camera, n_views)?,
             }
             let began = Instant::now();
@@ -82,7 +82,7 @@ fn main() -> Outcome<()> {
             let mut row = format!("| {name} | {} |", camera.about());
             // The colours by vertex are those of the original pictures.
             match camera {
-                Camera::Exposures => row += " |",
+                ColorCamera::Exposures => row += " |",
                 _ => write!(row, " {:.1} dB |", compared.by_vertex.db())?,
             }
             write!(row, " {:.1} dB | {:.1} dB |", compared.textured.db(), compared.worst)?;
@@ -101,7 +101,7 @@ fn main() -> Outcome<()> {
     Ok(fs::write(out.join("color.md"), table)?)
 }
 
-impl Camera {
+impl ColorCamera {
     fn word(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -120,12 +120,12 @@ impl Camera {
 }
 
 /// The place of a scan and its export.
-struct Scanned<'a> {
+struct PaintedScan<'a> {
     program: &'a str,
     folder: PathBuf,
 }
 
-impl Scanned<'_> {
+impl PaintedScan<'_> {
     fn run<S: AsRef<OsStr>>(&self, words: impl IntoIterator<Item = S>) -> Outcome<()> {
         let program = Path::new(self.program).canonicalize()?;
         let done = Command::new(program).args(words).current_dir(&self.folder).output()?;
@@ -135,7 +135,7 @@ impl Scanned<'_> {
         }
     }
 
-    fn scan(&self, object: &Path, camera: Camera, n_views: usize) -> Outcome<()> {
+    fn scan(&self, object: &Path, camera: ColorCamera, n_views: usize) -> Outcome<()> {
         // Leftovers of an earlier run.
         _ = fs::remove_dir_all(&self.folder);
         fs::create_dir_all(&self.folder)?;
@@ -144,7 +144,7 @@ impl Scanned<'_> {
         let mut words: Vec<&OsStr> = vec!["scan".as_ref(), object.as_ref()];
         words.extend(["--unit", "m", "--baselines", "off", "--views", &views].map(OsStr::new));
         words.extend(["--watertight", "on", "--out", "scan", "--force"].map(OsStr::new));
-        if camera == Camera::D435i {
+        if camera == ColorCamera::D435i {
             words.extend(["--noise", "d435i"].map(OsStr::new));
         }
         self.run(words)
@@ -175,8 +175,8 @@ fn expose(folder: &Path) -> Outcome<()> {
 
 /// Comparison of two meshes of a scan with the truth.
 struct Compared {
-    by_vertex: Difference,
-    textured: Difference,
+    by_vertex: ColorDifference,
+    textured: ColorDifference,
     /// PSNR of the textured mesh in its worst view.
     worst: f64,
     /// Pixels in both, as a share of those that show the true object.
@@ -187,12 +187,12 @@ struct Compared {
 
 /// Squared differences of colours, 0 to 255.
 #[derive(Clone, Copy, Default)]
-struct Difference {
+struct ColorDifference {
     sum: f64,
     n: f64,
 }
 
-impl Difference {
+impl ColorDifference {
     fn add(&mut self, one: [u8; 3], other: [u8; 3]) {
         let square = |k: usize| (f64::from(one[k]) - f64::from(other[k])).powi(2);
         *self = Self { sum: self.sum + square(0) + square(1) + square(2), n: self.n + 3.0 };
@@ -215,8 +215,8 @@ fn compare(object: &Path, folder: &Path, picture: &Path) -> Outcome<Compared> {
     let bounds = truth.mesh().bounds();
     let views = generate::shell(bounds.center(), 0.5 * bounds.longest_side(), VIEWS.0, VIEWS.1)?;
     let mut compared = Compared {
-        by_vertex: Difference::default(),
-        textured: Difference::default(),
+        by_vertex: ColorDifference::default(),
+        textured: ColorDifference::default(),
         worst: f64::INFINITY,
         share: 0.0,
         size: size_of(&textured)?,
@@ -229,7 +229,7 @@ fn compare(object: &Path, folder: &Path, picture: &Path) -> Outcome<Compared> {
         let expected = truth.color(&pose)?.ok_or(no_colors)?;
         let vertex_image = by_vertex.unlit_color(&pose)?.ok_or(no_colors)?;
         let textured_image = textured.unlit_color(&pose)?.ok_or(no_colors)?;
-        let mut of_view = Difference::default();
+        let mut of_view = ColorDifference::default();
         for (i, (one, other)) in depth.iter().zip(&other_depth).enumerate() {
             n_true += usize::from(one.is_finite());
             if one.is_finite() && other.is_finite() {
@@ -240,8 +240,8 @@ fn compare(object: &Path, folder: &Path, picture: &Path) -> Outcome<Compared> {
             }
         }
         compared.worst = compared.worst.min(of_view.db());
-        let Difference { sum, n } = compared.textured;
-        compared.textured = Difference { sum: sum + of_view.sum, n: n + of_view.n };
+        let ColorDifference { sum, n } = compared.textured;
+        compared.textured = ColorDifference { sum: sum + of_view.sum, n: n + of_view.n };
         if view < 4 {
             let image = side_by_side(&[&expected, &textured_image, &vertex_image])?;
             fs::write(format!("{}-{view}.png", picture.display()), encode_color(&image))?;

@@ -65,7 +65,7 @@ const LIMITS: [(&str, &str, &str, Limit); 12] = [
 type Times = BTreeMap<(String, String, String), f64>;
 
 /// Stage and case of every row.
-type Rows = Vec<(String, String)>;
+type StageRows = Vec<(String, String)>;
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut text = String::new();
@@ -127,8 +127,8 @@ fn verdict(is_met: bool, n_missed: &mut usize) -> &'static str {
 }
 
 /// The times, and stages with cases in the order of their first line.
-fn parse(text: &str) -> Result<(Times, Rows), Box<dyn Error>> {
-    let (mut times, mut order) = (Times::new(), Rows::new());
+fn parse(text: &str) -> Result<(Times, StageRows), Box<dyn Error>> {
+    let (mut times, mut order) = (Times::new(), StageRows::new());
     for line in text.lines() {
         let fields: Vec<&str> = line.split(',').collect();
         let &[program, stage, case, ms] = fields.as_slice() else {

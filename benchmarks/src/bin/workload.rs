@@ -5,7 +5,7 @@
 //! OBJECT is a mesh file or the name of a built-in object. With the variable QUICK, the workload is tiny.
 
 use nextview_benchmarks::is_quick;
-use nextview_benchmarks::network::Network;
+use nextview_benchmarks::network::RayNetwork;
 use nextview_benchmarks::workload::Workload;
 use std::error::Error;
 use std::path::PathBuf;
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         workload
     };
     for (name, n_rays) in [("small", 19_177), ("large", 148_428)] {
-        let network = Network::of(&workload, n_rays);
+        let network = RayNetwork::of(&workload, n_rays);
         eprintln!(
             "network of {} rays, {} edges, {} views of the optimal flow",
             network.view_of_ray.len(),

@@ -1,4 +1,4 @@
-use super::timed_stage::{Stage, Work, name_of};
+use super::timed_stage::{Stage, TimedWork, name_of};
 use crate::workload::{N_IMAGES, Set, Workload, block, empty_map};
 use nextview::geometry::Aabb;
 use nextview::map::{Integration, RayRule};
@@ -51,7 +51,7 @@ pub(super) fn stages() -> Vec<Stage> {
     points.chain(frames).chain(snapshots).collect()
 }
 
-fn insert(workload: &Workload, set: Set, rays: RayRule, space: Space, voxel_size: f64) -> Work<'_> {
+fn insert(workload: &Workload, set: Set, rays: RayRule, space: Space, voxel_size: f64) -> TimedWork<'_> {
     let region = match space {
         Space::Box => Some(block(voxel_size)),
         Space::Unbounded => None,
@@ -68,7 +68,7 @@ fn insert(workload: &Workload, set: Set, rays: RayRule, space: Space, voxel_size
 }
 
 /// A session's work on every image: object and walls, with the background carving.
-fn insert_frames(workload: &Workload, voxel_size: f64) -> Work<'_> {
+fn insert_frames(workload: &Workload, voxel_size: f64) -> TimedWork<'_> {
     let room = Background::Room(Aabb::cube(glam::DVec3::ZERO, 0.6));
     let camera = SimulatedCamera::new(workload.meshes[0].clone(), Intrinsics::d435i(), room, 10.0)
         .expect("a sound camera");

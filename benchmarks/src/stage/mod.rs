@@ -8,7 +8,7 @@ mod rendering;
 mod scan;
 mod timed_stage;
 
-pub use timed_stage::{Stage, Work};
+pub use timed_stage::{Stage, TimedWork};
 
 /// Returns all stages, in the order of the pipeline.
 pub fn stages() -> Vec<Stage> {

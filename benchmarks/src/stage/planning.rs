@@ -1,5 +1,5 @@
-use super::timed_stage::{Stage, Work, name_of};
-use crate::network::Network;
+use super::timed_stage::{Stage, TimedWork, name_of};
+use crate::network::RayNetwork;
 use crate::workload::{N_IMAGES, Set, Workload, intrinsics, ray_spacing_of_image_grid};
 use nextview::Cancel;
 use nextview::gain::object_probability;
@@ -22,7 +22,7 @@ pub(super) fn stages() -> Vec<Stage> {
     });
     let flow = [19_177, 148_428].map(|n_rays| {
         Stage::new("flow and cover", format!("{n_rays} rays"), 1, move |workload| {
-            let network = Network::of(workload, n_rays);
+            let network = RayNetwork::of(workload, n_rays);
             Box::new(move || _ = black_box(network.solve()))
         })
     });
@@ -56,14 +56,14 @@ pub(super) fn stages() -> Vec<Stage> {
 }
 
 /// Rays of 5000 views through the map of set A, with only the local gain.
-fn rays(workload: &Workload, voxel_size: f64) -> Work<'_> {
+fn rays(workload: &Workload, voxel_size: f64) -> TimedWork<'_> {
     let ray_spacing = ray_spacing_of_image_grid(voxel_size);
     let config =
         MaxFlowConfig { gamma: 0.0, ray_spacing, free_space: FreeSpace::Fades, ..Default::default() };
     max_flow(workload.snapshot(Set::A, voxel_size, N_IMAGES), workload, config)
 }
 
-fn max_flow(snapshot: Snapshot, workload: &Workload, config: MaxFlowConfig) -> Work<'_> {
+fn max_flow(snapshot: Snapshot, workload: &Workload, config: MaxFlowConfig) -> TimedWork<'_> {
     let planner = MaxFlow::new(config).expect("parameters are written in the source");
     decision(snapshot, workload, planner, Vec::new())
 }
@@ -73,7 +73,7 @@ fn decision(
     workload: &Workload,
     planner: impl ViewPlanner + Clone + 'static,
     visited: Vec<usize>,
-) -> Work<'_> {
+) -> TimedWork<'_> {
     let (optics, cancel) = (intrinsics(), Cancel::default());
     Box::new(move || {
         let situation = Situation::new(&snapshot, &workload.views, &optics, &cancel);

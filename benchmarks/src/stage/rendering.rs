@@ -1,4 +1,4 @@
-use super::timed_stage::{Stage, Work};
+use super::timed_stage::{Stage, TimedWork};
 use crate::workload::{N_IMAGES, Workload, intrinsics};
 use nextview::sensor::Intrinsics;
 use nextview_sim::camera::{Background, SimulatedCamera};
@@ -15,7 +15,7 @@ pub(super) fn stages() -> Vec<Stage> {
     pinhole.chain([lens]).collect()
 }
 
-fn render(workload: &Workload, mesh: usize, optics: Intrinsics) -> Work<'_> {
+fn render(workload: &Workload, mesh: usize, optics: Intrinsics) -> TimedWork<'_> {
     let mesh = workload.meshes[mesh].clone();
     let camera = SimulatedCamera::new(mesh, optics, Background::None, 10.0).expect("a sound camera");
     Box::new(move || {

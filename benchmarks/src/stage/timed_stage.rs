@@ -2,7 +2,7 @@ use crate::workload::Workload;
 use std::fmt;
 
 /// The repeated and timed work.
-pub type Work<'a> = Box<dyn FnMut() + 'a>;
+pub type TimedWork<'a> = Box<dyn FnMut() + 'a>;
 
 /// A stage on one case of the workload.
 pub struct Stage {
@@ -14,23 +14,23 @@ pub struct Stage {
     /// Number of units, such as images, in one run of the work: times are per unit.
     pub n_units: usize,
     /// Makes the input; not timed.
-    prepare: Prepare,
+    prepare: Preparation,
 }
 
-type Prepare = Box<dyn for<'a> Fn(&'a Workload) -> Work<'a> + Send + Sync>;
+type Preparation = Box<dyn for<'a> Fn(&'a Workload) -> TimedWork<'a> + Send + Sync>;
 
 impl Stage {
     pub(super) fn new(
         name: &'static str,
         case: impl Into<String>,
         n_units: usize,
-        prepare: impl for<'a> Fn(&'a Workload) -> Work<'a> + Send + Sync + 'static,
+        prepare: impl for<'a> Fn(&'a Workload) -> TimedWork<'a> + Send + Sync + 'static,
     ) -> Self {
         Self { name, case: case.into(), n_units, prepare: Box::new(prepare) }
     }
 
     /// Prepares the work on a workload.
-    pub fn prepare<'a>(&self, workload: &'a Workload) -> Work<'a> {
+    pub fn prepare<'a>(&self, workload: &'a Workload) -> TimedWork<'a> {
         (self.prepare)(workload)
     }
 }

@@ -31,7 +31,7 @@ pub(crate) fn edges(sources: &Sources) -> Edges {
 /// The paths used by a module: those of private imports, and those at the start of its code's paths.
 pub(crate) fn used_paths(sources: &Sources, module: usize) -> BTreeSet<Vec<String>> {
     let module = &sources.modules[module];
-    let mut names = Names::default();
+    let mut names = ModuleNames::default();
     module.items.iter().filter(|item| !matches!(item, Item::Use(_))).for_each(|item| names.visit_item(item));
     let private = module.imports.iter().filter(|import| !import.is_public);
     names.paths.extend(private.map(|import| import.path.clone()));
@@ -39,11 +39,11 @@ pub(crate) fn used_paths(sources: &Sources, module: usize) -> BTreeSet<Vec<Strin
 }
 
 #[derive(Default)]
-struct Names {
+struct ModuleNames {
     paths: BTreeSet<Vec<String>>,
 }
 
-impl<'a> Visit<'a> for Names {
+impl<'a> Visit<'a> for ModuleNames {
     fn visit_path(&mut self, path: &'a Path) {
         if path.leading_colon.is_none() {
             self.paths.insert(path.segments.iter().map(|segment| segment.ident.to_string()).collect());

@@ -93,6 +93,23 @@ fn architecture_lists_every_layer_of_the_planning_library() {
     assert_eq!(BTreeSet::from_iter(architecture("\n## The planning library\n")), folders);
 }
 
+#[test]
+fn the_walks_of_architecture_lead_through_existing_files_and_never_back() {
+    let text = fs::read_to_string(workspace().join("ARCHITECTURE.md")).unwrap();
+    let (_, section) = text.split_once("\n## Six walks\n").unwrap();
+    let (section, _) = section.split_once("\n## ").unwrap();
+    let walks: Vec<&str> = section.split("\n**").skip(1).collect();
+    assert_eq!(walks.len(), 6);
+    for walk in walks {
+        let steps = walk.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+        let files: Vec<&str> = steps.map(|step| step.split('`').nth(1).unwrap()).collect();
+        for file in &files {
+            assert!(workspace().join("crates").join(file).is_file(), "{file} does not exist");
+        }
+        assert_eq!(BTreeSet::from_iter(&files).len(), files.len(), "returns to a file:{walk}");
+    }
+}
+
 /// `cargo test` runs packages in the order of their names, and the last one prints what was skipped.
 #[test]
 fn the_summary_of_skipped_tests_comes_last() {

@@ -1,5 +1,5 @@
 use crate::scanned::Scanned;
-use crate::view::View;
+use crate::view::UndistortedView;
 use nextview::sensor::Depth;
 use nextview_scan::Fault;
 use nextview_sim::camera::{Background, SimulatedCamera};
@@ -35,7 +35,7 @@ impl Masks {
     }
 
     /// The mask of the object in this picture.
-    pub fn of(&self, view: &View) -> Result<Mask, Fault> {
+    pub fn of(&self, view: &UndistortedView) -> Result<Mask, Fault> {
         let rendered = self.camera.render_depth(&view.world_from_camera())?;
         let whole: Vec<bool> = rendered.iter().map(|depth| depth.is_finite()).collect();
         let visible = rendered

@@ -1,6 +1,6 @@
 use crate::Format;
 use crate::undistort::undistorted;
-use crate::view::View;
+use crate::view::UndistortedView;
 use nextview::sensor::Intrinsics;
 use nextview_recording::{ReadOptions, RecordedFrame, Recording};
 use nextview_scan::{FRAMES_FOLDER, Fault, Faults, SavedModel, ScanRecord};
@@ -12,7 +12,7 @@ pub(crate) struct Scanned {
     /// Optics of all pictures, without distortion.
     pub intrinsics: Intrinsics,
     /// Pictures in order of capture.
-    pub views: Vec<View>,
+    pub views: Vec<UndistortedView>,
     /// The final cloud, metres.
     pub cloud: SavedModel,
     /// The final mesh without the table, metres.
@@ -54,9 +54,9 @@ impl Scanned {
     }
 }
 
-fn view(recorded: &RecordedFrame) -> Result<View, Fault> {
+fn view(recorded: &RecordedFrame) -> Result<UndistortedView, Fault> {
     let number = recorded.name.strip_prefix("frame ").and_then(|number| number.parse().ok());
     let number = number.ok_or_else(|| Fault::data(format!("{} has no number", recorded.name)))?;
     let (frame, color) = undistorted(recorded.load()?, recorded.load_color()?)?;
-    Ok(View { number, frame, color })
+    Ok(UndistortedView { number, frame, color })
 }

@@ -1,7 +1,7 @@
 //! The mesh with a texture from the colour images.
 
 use crate::scanned::Scanned;
-use crate::view::View;
+use crate::view::UndistortedView;
 use nextview::Cancel;
 use nextview::surface::CloudPoint;
 use nextview_model::{Photo, texture_mesh, write_mtl, write_obj};
@@ -11,7 +11,7 @@ use nextview_scan::Fault;
 /// Names and contents of the files, whose stem is `name`: `.obj`, `.mtl` and `.png`, which refer to each
 /// other.
 pub(crate) fn files(scanned: &Scanned, name: &str) -> Result<[(String, Vec<u8>); 3], Fault> {
-    let photo = |view: &View| Some(Photo { frame: view.frame.clone(), color: view.color.clone()? });
+    let photo = |view: &UndistortedView| Some(Photo { frame: view.frame.clone(), color: view.color.clone()? });
     let photos: Vec<Photo> = scanned.views.iter().filter_map(photo).collect();
     // Result files have 0 0 0 for a missing colour.
     let colored = |point: &CloudPoint| CloudPoint { color: point.color.filter(|c| *c != [0; 3]), ..*point };

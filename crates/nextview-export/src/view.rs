@@ -3,7 +3,7 @@ use nextview::sensor::{ColorImage, Frame};
 use nextview_scan::rows_of_pose;
 
 /// A picture by a camera without distortion: depth, and colour if there is any.
-pub(crate) struct View {
+pub(crate) struct UndistortedView {
     /// Number of its step, from 1.
     pub number: usize,
     /// The depth image at its mapped pose.
@@ -12,7 +12,7 @@ pub(crate) struct View {
     pub color: Option<ColorImage>,
 }
 
-impl View {
+impl UndistortedView {
     /// Returns the name of its image files without extension.
     pub fn stem(&self) -> String {
         format!("{:06}", self.number)

@@ -1,4 +1,4 @@
-use crate::deviation::{Deviation, Verdict};
+use crate::deviation::{Deviation, PointVerdict};
 use crate::patches::Patches;
 use crate::record::DefectRecord;
 use glam::DVec3;
@@ -17,7 +17,7 @@ pub(crate) fn defects(
     patches: &Patches<'_>,
 ) -> Vec<DefectRecord> {
     let side = |i: usize| {
-        (deviations[i].verdict(tolerance) == Verdict::Deviates).then_some(deviations[i].mean > 0.0)
+        (deviations[i].verdict(tolerance) == PointVerdict::Deviates).then_some(deviations[i].mean > 0.0)
     };
     let mut is_taken = vec![false; positions.len()];
     let mut defects = Vec::new();

@@ -24,7 +24,7 @@ pub(crate) struct Deviations {
 
 /// The verdict on a point for a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Verdict {
+pub(crate) enum PointVerdict {
     /// The deviation exceeds the tolerance.
     Deviates,
     /// The deviation is within the tolerance.
@@ -40,11 +40,11 @@ const AGREEMENT: f64 = 0.5;
 const SURE: f64 = 3.0;
 
 impl Deviation {
-    pub fn verdict(self, tolerance: f64) -> Verdict {
+    pub fn verdict(self, tolerance: f64) -> PointVerdict {
         match self.mean.abs() {
-            mean if mean - SURE * self.error > tolerance => Verdict::Deviates,
-            mean if mean + SURE * self.error <= tolerance => Verdict::Within,
-            _ => Verdict::Uncertain,
+            mean if mean - SURE * self.error > tolerance => PointVerdict::Deviates,
+            mean if mean + SURE * self.error <= tolerance => PointVerdict::Within,
+            _ => PointVerdict::Uncertain,
         }
     }
 }
@@ -132,8 +132,8 @@ mod tests {
         assert!((quiet.mean - 1.0083).abs() < 1e-4 && (quiet.error - 0.0271).abs() < 1e-3, "{quiet:?}");
         assert_eq!(
             [0.5, 1.0, 1.2].map(|t| quiet.verdict(t)),
-            [Verdict::Deviates, Verdict::Uncertain, Verdict::Within]
+            [PointVerdict::Deviates, PointVerdict::Uncertain, PointVerdict::Within]
         );
-        assert_eq!(mean(&[1.0; 4]).verdict(0.1), Verdict::Uncertain, "few points");
+        assert_eq!(mean(&[1.0; 4]).verdict(0.1), PointVerdict::Uncertain, "few points");
     }
 }

@@ -1,5 +1,5 @@
 use crate::defects::defects;
-use crate::deviation::{Deviation, Deviations, Verdict, deviations};
+use crate::deviation::{Deviation, Deviations, PointVerdict, deviations};
 use crate::patches::{Patches, suitable_radius};
 use crate::record::InspectionRecord;
 use crate::seen::seen_as_demanded;
@@ -119,7 +119,7 @@ pub fn inspect(
     let Deviations { of_points: deviations, correlated_error } =
         deviations(&points, &expected, &positions, part.surface(), &patches);
     let tolerance = config.tolerance_mm / 1e3;
-    let share_of = |verdict: Verdict| {
+    let share_of = |verdict: PointVerdict| {
         let n = deviations.iter().filter(|deviation| deviation.verdict(tolerance) == verdict).count();
         n as f64 / deviations.len() as f64
     };
@@ -135,8 +135,8 @@ pub fn inspect(
         fitted_share: share,
         n_points: points.len(),
         inspected_share: n_inspected as f64 / samples.len() as f64,
-        within_share: share_of(Verdict::Within),
-        uncertain_share: share_of(Verdict::Uncertain),
+        within_share: share_of(PointVerdict::Within),
+        uncertain_share: share_of(PointVerdict::Uncertain),
         deviation_rms_mm: 1e3 * (square / deviations.len() as f64).sqrt(),
         deviation_p95_mm: 1e3 * quantile(deviations.iter().map(|deviation| deviation.mean.abs()), 0.95),
         correlated_error_mm: 1e3 * correlated_error,

@@ -1,4 +1,4 @@
-use crate::deviation::{Deviation, Verdict};
+use crate::deviation::{Deviation, PointVerdict};
 use crate::inspection::Inspection;
 use nextview_scan::Fault;
 use nextview_scan::files::ResultFolder;
@@ -34,7 +34,7 @@ fn write_points(w: &mut Vec<u8>, inspection: &Inspection) -> std::io::Result<()>
 }
 
 fn color(deviation: Deviation, tolerance: f64) -> [u8; 3] {
-    if deviation.verdict(tolerance) == Verdict::Uncertain {
+    if deviation.verdict(tolerance) == PointVerdict::Uncertain {
         return [160; 3];
     }
     let strength = (deviation.mean / (2.0 * tolerance)).clamp(-1.0, 1.0);

@@ -1,6 +1,6 @@
 use crate::grid::Grid;
 use crate::layers::{Dense, convolve, rectify};
-use crate::weights::{self, Layer, Layout, WeightsError};
+use crate::weights::{self, Layer, NetworkLayout, WeightsError};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Channels before, between and after the convolutions.
@@ -21,16 +21,16 @@ pub(crate) struct GridNetwork {
 
 /// The layers of the network with this name, named as in the published program; `units` before, between and
 /// after the fully connected ones.
-pub(crate) fn layout(network: &'static str, units: &[usize]) -> Layout {
+pub(crate) fn layout(network: &'static str, units: &[usize]) -> NetworkLayout {
     let convolutions =
         CHANNELS.windows(2).zip(1..).map(|(n, i)| (format!("conv{i}"), vec![n[1], n[0], 3, 3, 3]));
     let dense = units.windows(2).zip(1..).map(|(n, i)| (format!("fc{i}"), vec![n[1], n[0]]));
-    Layout { network, layers: convolutions.chain(dense).collect() }
+    NetworkLayout { network, layers: convolutions.chain(dense).collect() }
 }
 
 impl GridNetwork {
     /// Reads the network's weights from a safetensors file.
-    pub fn read(file: &[u8], layout: &Layout) -> Result<Self, WeightsError> {
+    pub fn read(file: &[u8], layout: &NetworkLayout) -> Result<Self, WeightsError> {
         let mut convolutions = weights::read(file, layout)?;
         let dense = convolutions.split_off(CHANNELS.len() - 1);
         Ok(Self { convolutions, dense: dense.into_iter().map(Dense::new).collect() })
@@ -38,18 +38,18 @@ impl GridNetwork {
 
     /// Returns the values of the last layer.
     pub fn outputs(&self, grid: &Grid) -> Vec<f32> {
-        Arch::new().dispatch(Forward { network: self, grid })
+        Arch::new().dispatch(GridForward { network: self, grid })
     }
 }
 
 /// Computes the outputs with the CPU's instructions.
 #[derive(Clone, Copy)]
-struct Forward<'a> {
+struct GridForward<'a> {
     network: &'a GridNetwork,
     grid: &'a Grid,
 }
 
-impl WithSimd for Forward<'_> {
+impl WithSimd for GridForward<'_> {
     type Output = Vec<f32>;
 
     #[inline(always)]
@@ -78,7 +78,7 @@ mod tests {
     use nextview::geometry::random::Random;
 
     /// The layers of NBV-Net and of NBV regression.
-    fn layouts() -> [Layout; 2] {
+    fn layouts() -> [NetworkLayout; 2] {
         [crate::nbv_net::layout(), crate::nbv_regression::layout()]
     }
 
@@ -134,7 +134,7 @@ mod tests {
             let network = GridNetwork::read(&file(&tensors(5, &layout)), &layout).unwrap();
             let grid = grid(9);
             let bits = |values: Vec<f32>| values.into_iter().map(f32::to_bits).collect::<Vec<_>>();
-            let scalar = Forward { network: &network, grid: &grid }.with_simd(pulp::Scalar::new());
+            let scalar = GridForward { network: &network, grid: &grid }.with_simd(pulp::Scalar::new());
             assert_eq!(bits(scalar), bits(network.outputs(&grid)));
         }
     }

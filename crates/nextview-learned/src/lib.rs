@@ -17,4 +17,4 @@ pub mod pc_nbv;
 mod weights;
 
 pub use grid::Grid;
-pub use weights::{Shape, WeightsError};
+pub use weights::{TensorShape, WeightsError};

@@ -9,12 +9,12 @@ const SIDE: usize = 8;
 pub(super) struct DepthTiles {
     width: usize,
     height: usize,
-    tiles: Vec<Extent>,
+    tiles: Vec<TileSummary>,
 }
 
 /// A summary of the pixels of a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Extent {
+pub(super) struct TileSummary {
     /// Lower bound of the depth.
     pub least: f32,
     /// Upper bound of the depth.
@@ -25,7 +25,7 @@ pub(super) struct Extent {
     pub any_open: bool,
 }
 
-impl Extent {
+impl TileSummary {
     const NOTHING: Self =
         Self { least: f32::INFINITY, most: f32::NEG_INFINITY, all_open: true, any_open: false };
 
@@ -44,10 +44,10 @@ impl DepthTiles {
     pub(super) fn new(depth: &[f32], is_open: &[bool], width: usize) -> Self {
         let pixels = depth.iter().zip(is_open);
         let n_tiles = width.div_ceil(SIDE) * (depth.len() / width).div_ceil(SIDE);
-        let mut tiles = Self { width, height: depth.len() / width, tiles: vec![Extent::NOTHING; n_tiles] };
+        let mut tiles = Self { width, height: depth.len() / width, tiles: vec![TileSummary::NOTHING; n_tiles] };
         for (pixel, (&depth, &is_open)) in pixels.enumerate() {
             let tile = tiles.index(pixel % width / SIDE, pixel / width / SIDE);
-            let here = Extent { least: depth, most: depth, all_open: is_open, any_open: is_open };
+            let here = TileSummary { least: depth, most: depth, all_open: is_open, any_open: is_open };
             tiles.tiles[tile] = tiles.tiles[tile].and(here);
         }
         tiles
@@ -55,12 +55,12 @@ impl DepthTiles {
 
     /// Returns the summary of the pixels in these columns and rows, which may extend beyond the image: that
     /// of all tiles that they touch.
-    pub(super) fn extent(&self, columns: RangeInclusive<usize>, rows: RangeInclusive<usize>) -> Extent {
+    pub(super) fn extent(&self, columns: RangeInclusive<usize>, rows: RangeInclusive<usize>) -> TileSummary {
         let tiles =
             |range: RangeInclusive<usize>, n: usize| range.start() / SIDE..=(*range.end()).min(n - 1) / SIDE;
         let columns = tiles(columns, self.width);
         let rows = tiles(rows, self.height).flat_map(|row| columns.clone().map(move |column| (column, row)));
-        rows.fold(Extent::NOTHING, |extent, (column, row)| extent.and(self.tiles[self.index(column, row)]))
+        rows.fold(TileSummary::NOTHING, |extent, (column, row)| extent.and(self.tiles[self.index(column, row)]))
     }
 
     fn index(&self, column: usize, row: usize) -> usize {
@@ -90,9 +90,9 @@ mod tests {
                 let within = |columns: &RangeInclusive<usize>, rows: &RangeInclusive<usize>| {
                     let inside = |i: &usize| columns.contains(&(i % width)) && rows.contains(&(i / width));
                     let pixels = (0..depth.len()).filter(inside);
-                    pixels.fold(Extent::NOTHING, |extent, i| {
+                    pixels.fold(TileSummary::NOTHING, |extent, i| {
                         let open = is_open[i];
-                        extent.and(Extent { least: depth[i], most: depth[i], all_open: open, any_open: open })
+                        extent.and(TileSummary { least: depth[i], most: depth[i], all_open: open, any_open: open })
                     })
                 };
                 let whole = |range: &RangeInclusive<usize>| {

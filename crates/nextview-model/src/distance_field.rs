@@ -59,16 +59,16 @@ pub struct DistanceField {
     lattice: Lattice,
     block: VoxelBlock,
     truncation: f64,
-    cells: Vec<Cell>,
+    cells: Vec<VoxelEvidence>,
 }
 
 /// The evidence of the frames so far about a voxel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Cell {
+struct VoxelEvidence {
     /// Evidence from measured surfaces.
-    measured: Sums,
+    measured: DistanceSums,
     /// Evidence from rays without return.
-    open: Sums,
+    open: DistanceSums,
     /// Number of frames with a ray without return at the voxel.
     n_open: u16,
     /// Number of frames with the voxel at or behind a surface.
@@ -77,7 +77,7 @@ struct Cell {
 
 /// Sums for a mean distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Sums {
+struct DistanceSums {
     /// Weighted sum of the distances where the surface was near, metres.
     distance: f32,
     /// Sum of their weights.
@@ -98,12 +98,12 @@ impl DistanceField {
             return Err(Error::invalid("truncation", truncation, "a finite length of at least two voxels"));
         }
         // In floating point, since the size of a huge block does not fit an integer.
-        let bytes = block.dims().as_dvec3().element_product() * size_of::<Cell>() as f64;
+        let bytes = block.dims().as_dvec3().element_product() * size_of::<VoxelEvidence>() as f64;
         if bytes > MEMORY_LIMIT_MB as f64 * 1e6 {
             let what = format!("a distance field of {} voxels", block.dims());
             return Err(Error::TooLarge { what, needed_mb: (bytes / 1e6) as u64, limit_mb: MEMORY_LIMIT_MB });
         }
-        Ok(Self { lattice, block, truncation, cells: vec![Cell::default(); block.n_voxels()] })
+        Ok(Self { lattice, block, truncation, cells: vec![VoxelEvidence::default(); block.n_voxels()] })
     }
 
     /// Adds a frame. After cancellation, the field may hold part of the frame and is unusable.
@@ -194,7 +194,7 @@ impl DistanceField {
 
     /// As [`distance`](Self::distance), by the index in the block.
     fn at(&self, index: usize) -> Option<f32> {
-        let Sums { distance, weight, free } = self.cells[index].sums();
+        let DistanceSums { distance, weight, free } = self.cells[index].sums();
         if free > weight {
             return Some(self.truncation as f32);
         }
@@ -215,7 +215,7 @@ impl DistanceField {
     }
 }
 
-impl Cell {
+impl VoxelEvidence {
     fn add(&mut self, evidence: Evidence) {
         match evidence {
             Evidence::Free => self.measured.free += 1.0,
@@ -238,12 +238,12 @@ impl Cell {
 
     /// Returns the total evidence. Rays without return are ignored if more frames show a surface at the voxel
     /// or in front of it.
-    fn sums(&self) -> Sums {
+    fn sums(&self) -> DistanceSums {
         let Self { measured, open, n_open, n_covered } = *self;
         if n_covered > n_open {
             return measured;
         }
-        Sums {
+        DistanceSums {
             distance: measured.distance + open.distance,
             weight: measured.weight + open.weight,
             free: measured.free + open.free,
@@ -251,7 +251,7 @@ impl Cell {
     }
 }
 
-impl Sums {
+impl DistanceSums {
     fn add(&mut self, distance: f32, weight: f32) {
         self.distance += weight * distance;
         self.weight += weight;

@@ -112,7 +112,7 @@ mod tests {
     use super::*;
     use crate::synthetic_frames::of_depth;
     use nextview::geometry::{Aabb, random::Random};
-    use nextview::sensor::{DepthError, Frame, SurfaceError};
+    use nextview::sensor::{DepthNoise, Frame, SurfaceNoise};
 
     /// Four to five pixels wide.
     const CELL: f64 = 0.043;
@@ -137,8 +137,8 @@ mod tests {
 
     #[test]
     fn a_wall_along_the_border_of_cells_is_as_accurate_as_one_within_them_and_its_error_is_known() {
-        let depth = DepthError { constant: NOISE, ..DepthError::default() };
-        let error = SurfaceError { depth, ..SurfaceError::default() };
+        let depth = DepthNoise { constant: NOISE, ..DepthNoise::default() };
+        let error = SurfaceNoise { depth, ..SurfaceNoise::default() };
         for wall in [0.473, 0.4945, 0.4735] {
             let bounds = Aabb::cube(DVec3::Z * wall, 0.16);
             let frames = noisy(6, wall);

@@ -20,7 +20,7 @@ pub fn write_points<I: Iterator<Item = DVec3>>(
     points: impl Fn() -> I,
 ) -> Result<(), Error> {
     let mut writer = BufWriter::new(writer);
-    let columns = Columns { is_far: points().any(is_far), ..Columns::default() };
+    let columns = VertexColumns { is_far: points().any(is_far), ..VertexColumns::default() };
     columns.write_header(&mut writer, points().count(), None)?;
     points().try_for_each(|point| columns.write_vertex(&mut writer, &point.into()))?;
     Ok(writer.flush()?)
@@ -29,7 +29,7 @@ pub fn write_points<I: Iterator<Item = DVec3>>(
 /// Writes points with their normals and colours, metres.
 pub fn write_cloud(writer: impl Write, points: &[CloudPoint]) -> Result<(), Error> {
     let mut writer = BufWriter::new(writer);
-    let columns = Columns::of(points);
+    let columns = VertexColumns::of(points);
     columns.write_header(&mut writer, points.len(), None)?;
     points.iter().try_for_each(|point| columns.write_vertex(&mut writer, point))?;
     Ok(writer.flush()?)
@@ -46,7 +46,7 @@ pub fn write_mesh(
 ) -> Result<(), Error> {
     assert!(is_filled.is_none_or(|is_filled| is_filled.len() == vertices.len()), "one for each vertex");
     let mut writer = BufWriter::new(writer);
-    let columns = Columns { filled: is_filled.is_some(), ..Columns::of(vertices) };
+    let columns = VertexColumns { filled: is_filled.is_some(), ..VertexColumns::of(vertices) };
     columns.write_header(&mut writer, vertices.len(), Some(triangles.len()))?;
     for (i, vertex) in vertices.iter().enumerate() {
         columns.write_vertex(&mut writer, vertex)?;
@@ -65,7 +65,7 @@ pub fn write_mesh(
 
 /// The columns of every vertex, apart from its position.
 #[derive(Clone, Copy, Default)]
-struct Columns {
+struct VertexColumns {
     /// Whether positions are in double precision.
     is_far: bool,
     normal: bool,
@@ -74,7 +74,7 @@ struct Columns {
     filled: bool,
 }
 
-impl Columns {
+impl VertexColumns {
     fn of(points: &[CloudPoint]) -> Self {
         Self {
             is_far: points.iter().any(|point| is_far(point.position)),

@@ -12,7 +12,7 @@ const LEAST_EVIDENCE: f64 = 2.0;
 
 /// A part of a mesh that is connected to nothing else.
 #[derive(Clone, Copy, Debug, Default)]
-struct Part {
+struct MeshPart {
     area: f64,
     n_triangles: usize,
     /// Sum of the evidence at the corners of its triangles.
@@ -30,7 +30,7 @@ pub(super) fn without_specks(mesh: SurfaceMesh, evidence: impl Fn(DVec3) -> f32)
 pub(super) fn kept_vertices(mesh: &SurfaceMesh, evidence: impl Fn(DVec3) -> f32) -> Vec<bool> {
     let evidence: Vec<f32> = mesh.vertices.iter().map(|vertex| evidence(*vertex)).collect();
     let part_of = parts(mesh);
-    let mut parts = vec![Part::default(); mesh.vertices.len()];
+    let mut parts = vec![MeshPart::default(); mesh.vertices.len()];
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map(|i| mesh.vertices[i as usize]);
         let part = &mut parts[part_of[triangle[0] as usize]];
@@ -43,7 +43,7 @@ pub(super) fn kept_vertices(mesh: &SurfaceMesh, evidence: impl Fn(DVec3) -> f32)
     part_of.into_iter().map(is_kept).collect()
 }
 
-impl Part {
+impl MeshPart {
     fn is_speck(&self, largest_area: f64) -> bool {
         let is_weak = self.evidence < LEAST_EVIDENCE * (3 * self.n_triangles) as f64;
         self.area < LARGEST_SHARE * largest_area && (is_weak || self.n_triangles < LEAST_TRIANGLES)

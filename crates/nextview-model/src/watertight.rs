@@ -100,7 +100,7 @@ impl DistanceField {
     ) -> Result<WatertightMesh, Cancelled> {
         let mut solid = self.solid(floor, cancel)?;
         solid.make_manifold(-self.barely(), cancel)?;
-        let Solid { block, values, is_known } = &solid;
+        let SignedVoxels { block, values, is_known } = &solid;
         let distance = |index: usize| Some(f64::from(values[index]));
         let mesh = surface_nets_unless(&self.lattice(), block, distance, cancel)?;
         let is_crossed = |cell: &[usize; 8]| {
@@ -116,7 +116,7 @@ impl DistanceField {
     }
 
     /// Returns all voxels with a distance, surrounded by a layer outside.
-    fn solid(&self, floor: Option<&Floor>, cancel: &Cancel) -> Result<Solid, Cancelled> {
+    fn solid(&self, floor: Option<&Floor>, cancel: &Cancel) -> Result<SignedVoxels, Cancelled> {
         let inner = self.block_on(floor);
         let height = |key: IVec3, floor: &Floor| floor.plane.height(self.lattice().center(key));
         let is_floor = |key: IVec3| floor.is_some_and(|floor| height(key, floor) < floor.clearance);
@@ -128,7 +128,7 @@ impl DistanceField {
             values.iter_mut().enumerate().for_each(|(i, value)| *value = value.max(below(i)));
         }
         let is_known: Vec<bool> = known.iter().map(Option::is_some).collect();
-        Ok(Solid { block: inner, values, is_known }.surrounded(self.barely()))
+        Ok(SignedVoxels { block: inner, values, is_known }.surrounded(self.barely()))
     }
 
     /// [`BARELY`], in metres.
@@ -158,14 +158,14 @@ impl DistanceField {
 }
 
 /// Voxels that all have a distance, negative inside.
-struct Solid {
+struct SignedVoxels {
     block: VoxelBlock,
     values: Vec<f32>,
     /// Whether it was measured.
     is_known: Vec<bool>,
 }
 
-impl Solid {
+impl SignedVoxels {
     /// Adds a surrounding layer outside, at such a distance that surface at the border ends halfway to the
     /// layer, and at least `barely`.
     fn surrounded(self, barely: f32) -> Self {

@@ -5,7 +5,7 @@ use crate::frame::{ColorSource, DepthSource};
 use crate::lens::{self, Lens};
 use crate::recording::{ReadOptions, Recording, Skipped};
 use crate::rigid::{self, Rigid};
-use crate::text::{self, Line};
+use crate::text::{self, TextLine};
 use crate::trajectory::Stamped;
 use crate::{RecordedFrame, RecordingError};
 use std::collections::BTreeMap;
@@ -28,7 +28,7 @@ const POSE: &str = "world_from_camera";
 const NOTED: f64 = 1e-3;
 
 /// A row of poses.csv.
-pub(crate) struct Row {
+pub(crate) struct PoseRow {
     line: usize,
     timestamp_s: Option<f64>,
     rigid: Rigid,
@@ -77,7 +77,7 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
 }
 
 /// A note about matrices that were not rotations.
-fn note(rows: &BTreeMap<u32, Row>) -> Option<String> {
+fn note(rows: &BTreeMap<u32, PoseRow>) -> Option<String> {
     let worst = rows.values().map(|row| row.rigid.error).fold(0.0, f64::max);
     (worst > NOTED).then(|| {
         format!(
@@ -116,11 +116,11 @@ fn images(folder: &Path, extensions: &[&str]) -> Result<BTreeMap<u32, PathBuf>, 
 }
 
 /// The rows of poses.csv by frame number.
-pub(crate) fn rows(text: &str, options: &ReadOptions) -> Result<BTreeMap<u32, Row>, RecordingError> {
+pub(crate) fn rows(text: &str, options: &ReadOptions) -> Result<BTreeMap<u32, PoseRow>, RecordingError> {
     let mut lines = text::lines(text);
     let header = lines.next().ok_or_else(|| RecordingError::Content("is empty, expected a header".into()))?;
-    let columns = Columns::new(&header, options)?;
-    let mut rows: BTreeMap<u32, Row> = BTreeMap::new();
+    let columns = PoseColumns::new(&header, options)?;
+    let mut rows: BTreeMap<u32, PoseRow> = BTreeMap::new();
     let mut times = Vec::new();
     for line in lines {
         let (number, row) = columns.row(&line)?;
@@ -138,15 +138,15 @@ pub(crate) fn rows(text: &str, options: &ReadOptions) -> Result<BTreeMap<u32, Ro
 }
 
 /// The meaning of the columns.
-struct Columns {
+struct PoseColumns {
     n_columns: usize,
     frame: usize,
     timestamp: Option<usize>,
     pose: [usize; 12],
 }
 
-impl Columns {
-    fn new(header: &Line<'_>, options: &ReadOptions) -> Result<Self, RecordingError> {
+impl PoseColumns {
+    fn new(header: &TextLine<'_>, options: &ReadOptions) -> Result<Self, RecordingError> {
         let names = header.fields();
         let find = |name: &str| names.iter().position(|field| field.eq_ignore_ascii_case(name));
         let prefix = pose_prefix(header, &names, options)?;
@@ -162,7 +162,7 @@ impl Columns {
         Ok(Self { n_columns: names.len(), frame, timestamp: find("timestamp_s"), pose })
     }
 
-    fn row(&self, line: &Line<'_>) -> Result<(u32, Row), RecordingError> {
+    fn row(&self, line: &TextLine<'_>) -> Result<(u32, PoseRow), RecordingError> {
         let fields = line.fields();
         if fields.len() != self.n_columns {
             return Err(line.error(format!("{} columns, expected {}", fields.len(), self.n_columns)));
@@ -176,12 +176,12 @@ impl Columns {
         }
         let rigid =
             rigid::from_rows(matrix).map_err(|problem| line.error(format!("frame {number}: {problem}")))?;
-        Ok((number, Row { line: line.number, timestamp_s, rigid }))
+        Ok((number, PoseRow { line: line.number, timestamp_s, rigid }))
     }
 }
 
 /// Prefix of the pose columns: the requested one, ours, or the only choice.
-fn pose_prefix(header: &Line<'_>, names: &[&str], options: &ReadOptions) -> Result<String, RecordingError> {
+fn pose_prefix(header: &TextLine<'_>, names: &[&str], options: &ReadOptions) -> Result<String, RecordingError> {
     let complete =
         |prefix: &&str| ENTRIES.iter().all(|entry| names.contains(&format!("{prefix}{entry}").as_str()));
     let prefixes: Vec<&str> =

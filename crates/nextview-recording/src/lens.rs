@@ -1,7 +1,7 @@
 //! The file `intrinsics.txt`: one line per value, name first.
 
 use crate::RecordingError;
-use crate::text::{self, Line};
+use crate::text::{self, TextLine};
 use glam::DVec2;
 use nextview::sensor::{Distortion, Intrinsics};
 use std::path::Path;
@@ -41,7 +41,7 @@ pub(crate) fn checked(intrinsics: Intrinsics) -> Result<Intrinsics, RecordingErr
 
 /// Parses a camera from a text.
 pub(crate) fn parse(text: &str, depth_unit: f64) -> Result<Lens, RecordingError> {
-    let fields = Fields::new(text)?;
+    let fields = LensFields::new(text)?;
     let size = [fields.whole("width")?, fields.whole("height")?];
     let focal = DVec2::new(fields.number("fx")?, fields.number("fy")?);
     let center = DVec2::new(fields.number("cx")?, fields.number("cy")?);
@@ -63,20 +63,20 @@ pub(crate) fn parse(text: &str, depth_unit: f64) -> Result<Lens, RecordingError>
 }
 
 /// A line: its name and its values.
-struct Field<'a> {
-    line: Line<'a>,
+struct LensLine<'a> {
+    line: TextLine<'a>,
     name: &'a str,
     values: Vec<&'a str>,
 }
 
-struct Fields<'a>(Vec<Field<'a>>);
+struct LensFields<'a>(Vec<LensLine<'a>>);
 
-impl<'a> Fields<'a> {
+impl<'a> LensFields<'a> {
     const NAMES: [&'static str; 9] =
         ["width", "height", "fx", "fy", "cx", "cy", "depth_unit_m", "invalid_depth", "distortion"];
 
     fn new(text: &'a str) -> Result<Self, RecordingError> {
-        let mut fields: Vec<Field> = Vec::new();
+        let mut fields: Vec<LensLine> = Vec::new();
         for line in text::lines(text) {
             let mut values = line.words();
             let name = values.remove(0);
@@ -86,16 +86,16 @@ impl<'a> Fields<'a> {
             if let Some(other) = fields.iter().find(|field| field.name == name) {
                 return Err(line.error(format!("{name} is already in line {}", other.line.number)));
             }
-            fields.push(Field { line, name, values });
+            fields.push(LensLine { line, name, values });
         }
         Ok(Self(fields))
     }
 
-    fn optional(&self, name: &str) -> Option<&Field<'a>> {
+    fn optional(&self, name: &str) -> Option<&LensLine<'a>> {
         self.0.iter().find(|field| field.name == name)
     }
 
-    fn required(&self, name: &str) -> Result<&Field<'a>, RecordingError> {
+    fn required(&self, name: &str) -> Result<&LensLine<'a>, RecordingError> {
         self.optional(name).ok_or_else(|| RecordingError::Content(format!("has no line {name}; {EXPECTED}")))
     }
 
@@ -109,7 +109,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-impl Field<'_> {
+impl LensLine<'_> {
     fn only(&self) -> Result<&str, RecordingError> {
         match self.values.as_slice() {
             [value] => Ok(value),

@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 /// A line that is neither empty nor a comment.
 #[derive(Clone, Copy)]
-pub(crate) struct Line<'a> {
+pub(crate) struct TextLine<'a> {
     /// Counted from 1.
     pub number: usize,
     /// The line without surrounding white space.
@@ -23,12 +23,12 @@ pub(crate) fn read(path: &Path) -> Result<String, RecordingError> {
 }
 
 /// The lines with content: empty ones and those that start with `#` are skipped.
-pub(crate) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
-    let lines = text.lines().enumerate().map(|(i, text)| Line { number: i + 1, text: text.trim() });
+pub(crate) fn lines(text: &str) -> impl Iterator<Item = TextLine<'_>> {
+    let lines = text.lines().enumerate().map(|(i, text)| TextLine { number: i + 1, text: text.trim() });
     lines.filter(|line| !line.text.is_empty() && !line.text.starts_with('#'))
 }
 
-impl<'a> Line<'a> {
+impl<'a> TextLine<'a> {
     /// An error about this line.
     pub fn error(&self, problem: impl Into<String>) -> RecordingError {
         RecordingError::format(self.place(), problem)

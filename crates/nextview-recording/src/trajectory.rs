@@ -40,12 +40,12 @@ pub(crate) fn nearest<T>(entries: &[Stamped<T>], time: f64) -> Option<&Stamped<T
 }
 
 /// The poses of the camera over time.
-pub(crate) struct Trajectory {
+pub(crate) struct CameraTrajectory {
     poses: Vec<Stamped<Pose>>,
     tolerance: f64,
 }
 
-impl Trajectory {
+impl CameraTrajectory {
     /// Builds a trajectory from poses sorted by time; the tolerance is in seconds.
     pub fn new(poses: Vec<Stamped<Pose>>, tolerance: f64) -> Self {
         Self { poses, tolerance }
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn the_nearest_pose_counts_if_it_is_near_enough() {
-        let trajectory = Trajectory::new(Stamped::sorted(stamped(&[3.0, 1.0, 2.0])).unwrap(), 0.25);
+        let trajectory = CameraTrajectory::new(Stamped::sorted(stamped(&[3.0, 1.0, 2.0])).unwrap(), 0.25);
         let at = |time: f64| trajectory.at(time).map(|pose| pose.translation().x);
         assert_eq!(
             (at(0.75), at(1.25), at(1.75), at(2.1), at(3.25)),

@@ -4,8 +4,8 @@
 use crate::frame::{ColorSource, DepthSource};
 use crate::lens::{self, Lens};
 use crate::recording::{ReadOptions, Recording, Skipped};
-use crate::text::{self, Line};
-use crate::trajectory::{Stamped, Trajectory, nearest};
+use crate::text::{self, TextLine};
+use crate::trajectory::{Stamped, CameraTrajectory, nearest};
 use crate::{RecordedFrame, RecordingError, rigid};
 use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
@@ -27,7 +27,7 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
             nearest(&colors, time).filter(|color| (color.time - time).abs() <= options.pose_tolerance_s);
         near.map(|color| folder.join(&color.value)).filter(|path| path.is_file())
     };
-    let trajectory = Trajectory::new(poses, options.pose_tolerance_s);
+    let trajectory = CameraTrajectory::new(poses, options.pose_tolerance_s);
     let (mut frames, mut skipped) = (Vec::new(), Vec::new());
     for Stamped { time, place, value: file } in images {
         let path = folder.join(&file);
@@ -54,7 +54,7 @@ pub(crate) fn read(folder: &Path, options: &ReadOptions) -> Result<Recording, Re
 /// The entries of a list, sorted by time.
 fn list<T>(
     path: &Path,
-    parse: impl Fn(&Line<'_>, &[&str]) -> Result<T, RecordingError>,
+    parse: impl Fn(&TextLine<'_>, &[&str]) -> Result<T, RecordingError>,
 ) -> Result<Vec<Stamped<T>>, RecordingError> {
     text::read(path).and_then(|text| entries(&text, parse)).map_err(|error| error.in_file(path))
 }
@@ -62,9 +62,9 @@ fn list<T>(
 /// Parses the text of a list.
 pub(crate) fn entries<T>(
     text: &str,
-    parse: impl Fn(&Line<'_>, &[&str]) -> Result<T, RecordingError>,
+    parse: impl Fn(&TextLine<'_>, &[&str]) -> Result<T, RecordingError>,
 ) -> Result<Vec<Stamped<T>>, RecordingError> {
-    let entry = |line: Line<'_>| {
+    let entry = |line: TextLine<'_>| {
         let words = line.words();
         let time: f64 = line.value("the timestamp", words[0])?;
         Ok(Stamped { time, place: line.place(), value: parse(&line, &words[1..])? })
@@ -72,14 +72,14 @@ pub(crate) fn entries<T>(
     Stamped::sorted(text::lines(text).map(entry).collect::<Result<_, RecordingError>>()?)
 }
 
-pub(crate) fn image(line: &Line<'_>, words: &[&str]) -> Result<String, RecordingError> {
+pub(crate) fn image(line: &TextLine<'_>, words: &[&str]) -> Result<String, RecordingError> {
     match words {
         [file] => Ok((*file).to_owned()),
         _ => Err(line.error(format!("{} words, expected `timestamp file`", words.len() + 1))),
     }
 }
 
-pub(crate) fn pose(line: &Line<'_>, words: &[&str]) -> Result<Pose, RecordingError> {
+pub(crate) fn pose(line: &TextLine<'_>, words: &[&str]) -> Result<Pose, RecordingError> {
     const NAMES: [&str; 7] = ["tx", "ty", "tz", "qx", "qy", "qz", "qw"];
     if words.len() != NAMES.len() {
         let n = words.len() + 1;
@@ -98,7 +98,7 @@ pub(crate) fn pose(line: &Line<'_>, words: &[&str]) -> Result<Pose, RecordingErr
 mod tests {
     use super::*;
 
-    fn first_line(text: &str) -> Line<'_> {
+    fn first_line(text: &str) -> TextLine<'_> {
         text::lines(text).next().unwrap()
     }
 

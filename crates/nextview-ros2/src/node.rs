@@ -1,12 +1,12 @@
 //! The main loop of the node: messages in, orders to the scan, messages out.
 
 use crate::camera::Camera;
-use crate::connections::{Connector, Inputs, Message, Output, Outputs, Service, Services, join};
+use crate::connections::{Connector, Inputs, Message, OutgoingMessage, Outputs, Service, Services, join};
 use crate::messages::{Text, TriggerResponse};
 use crate::names::Names;
 use crate::notes::{Notes, say};
 use crate::parameters::Parameters;
-use crate::scan::{Job, Order, Report, State, start};
+use crate::scan::{Job, Order, WorkerReport, State, start};
 use crate::status;
 use futures_util::StreamExt;
 use nextview::sensor::Intrinsics;
@@ -69,15 +69,15 @@ async fn spin(names: &Names, parameters: Parameters) -> Result<(), String> {
             Some(message) = messages.next() => node.take(message),
             report = reports.recv() => match report {
                 None => return Err("the scan has failed with an internal error; its frames are kept".to_owned()),
-                Some(Report::Outputs(outputs)) => seen = outputs,
-                Some(Report::State(state)) => node.state = state,
-                Some(Report::Done { askers, answer }) => answers.extend(node.done(askers, &answer)),
+                Some(WorkerReport::Outputs(outputs)) => seen = outputs,
+                Some(WorkerReport::State(state)) => node.state = state,
+                Some(WorkerReport::Done { askers, answer }) => answers.extend(node.done(askers, &answer)),
             },
             _ = tick.tick() => {
                 answers.extend(node.tick());
                 let status = node.status(0);
                 if told.as_ref() != Some(&status) || told_at.elapsed() >= STATUS {
-                    seen.push(Output::Status(node.status(node.camera.n_images)));
+                    seen.push(OutgoingMessage::Status(node.status(node.camera.n_images)));
                     (told, told_at) = (Some(status), Instant::now());
                 }
             }
@@ -134,7 +134,7 @@ impl Node {
             return refused("too many requests are waiting: try again later");
         }
         let job = match (service, self.camera.intrinsics) {
-            (Service::Capture, _) => {
+            (Service::CaptureRequest, _) => {
                 self.askers.push(ticket);
                 if !self.camera.is_capturing() {
                     self.camera.capture(self.parameters.capture_timeout);

@@ -17,7 +17,7 @@ pub struct Fault {
     pub kind: FaultKind,
     /// Its place, if in a file.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub place: Option<Place>,
+    pub place: Option<FilePosition>,
     /// Dotted key of the configuration, such as `max_flow.gamma`; `None` if it is not about one value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key: Option<String>,
@@ -63,7 +63,7 @@ pub enum FaultKind {
 
 /// A place in a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Place {
+pub struct FilePosition {
     /// The file or folder.
     pub file: PathBuf,
     /// Line and column, counted from 1; `None` for the whole file.
@@ -108,7 +108,7 @@ impl Fault {
 
     /// Sets the file, which makes it a fault of data. An inner place stays.
     pub fn in_file(mut self, file: &Path) -> Self {
-        self.place.get_or_insert_with(|| Place { file: file.to_owned(), position: None });
+        self.place.get_or_insert_with(|| FilePosition { file: file.to_owned(), position: None });
         self.kind = FaultKind::Data;
         self
     }
@@ -142,7 +142,7 @@ impl Fault {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.file.display())?;
         self.position.map_or(Ok(()), |(line, column)| write!(f, ", line {line}, column {column}"))

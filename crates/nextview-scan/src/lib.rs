@@ -28,7 +28,7 @@ mod run;
 mod source;
 
 pub use config::*;
-pub use fault::{Cause, Fault, FaultKind, Faults, Place};
+pub use fault::{Cause, Fault, FaultKind, Faults, FilePosition};
 #[cfg(fuzzing)]
 pub use journal::fuzzing;
 pub use journal::{Damage, Interrupted, Journal, JournalEntry, Kept, KeptFrame, ScanJournal, SkippedView};
@@ -44,7 +44,7 @@ pub use results::{
     FRAMES_FOLDER, MapSummary, RESULT_FILES, Results, SavedMap, ScanFolder, begin_results, convert_map,
     result_file, result_folder, write_results,
 };
-pub use run::{Begin, FinishedScan, Measured, ModelFrames, Next, ScanRun, TakenFrame};
+pub use run::{RunOptions, ScanState, Measured, ModelFrames, Next, ScanRun, TakenFrame};
 pub use source::*;
 
 /// The name of an object without `builtin:`, folders and extension.

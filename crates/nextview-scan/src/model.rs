@@ -5,7 +5,7 @@ use glam::DVec3;
 use nextview::Cancel;
 use nextview::geometry::{Aabb, Lattice, Plane};
 use nextview::object::{ON_TABLE, TableTops};
-use nextview::sensor::{ColorImage, Frame, SurfaceError};
+use nextview::sensor::{ColorImage, Frame, SurfaceNoise};
 use nextview::surface::{CloudPoint, MeasuredCells, frame_points};
 use nextview_model::{DistanceField, Floor, SurfaceMesh, WatertightMesh, fused_cloud, take_nearest};
 
@@ -35,7 +35,7 @@ pub(crate) struct Extent {
     /// Edge of the cells in metres.
     pub detail: f64,
     /// Error of the camera.
-    pub error: SurfaceError,
+    pub error: SurfaceNoise,
 }
 
 impl FinalModel {
@@ -99,7 +99,7 @@ impl Extent {
 
     /// How well the surface was measured; `None` if the camera's error is unknown.
     fn measured(&self, frames: &[Frame], cancel: &Cancel) -> Result<Option<MeasuredCells>, Fault> {
-        if self.error == SurfaceError::default() {
+        if self.error == SurfaceNoise::default() {
             return Ok(None);
         }
         let mut measured = MeasuredCells::new(self.detail, self.error)?;

@@ -105,7 +105,7 @@ pub(crate) struct FinishAnswer {
 /// Pose of the camera.
 #[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Place {
+pub(crate) struct CameraPose {
     /// The rows of the 4 x 4 matrix that takes points from camera to world in metres.
     pub world_from_camera: [[f64; 4]; 4],
 }
@@ -132,7 +132,7 @@ pub(crate) struct Tracking {
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct Done {
     /// The resulting state of the scan.
-    pub state: crate::scans::ScanState,
+    pub state: crate::scans::ScanPhase,
 }
 
 /// A deleted scan.

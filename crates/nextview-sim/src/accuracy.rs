@@ -31,30 +31,30 @@ impl Accuracy {
 pub struct SurfaceDistance {
     /// The corners of the triangles in the order of the tree.
     triangles: Vec<[DVec3; 3]>,
-    root: Node,
+    root: TriangleNode,
 }
 
 #[derive(Clone, Debug)]
-struct Node {
+struct TriangleNode {
     bounds: Aabb,
-    content: Content,
+    content: NodeContent,
 }
 
 /// The nearest triangle so far, by its number in the tree.
 #[derive(Clone, Copy, Debug)]
-struct Nearest {
+struct NearestTriangle {
     dist_sq: f64,
     triangle: usize,
 }
 
 #[derive(Clone, Debug)]
-enum Content {
+enum NodeContent {
     /// From one triangle up to another.
     Leaf {
         start: usize,
         end: usize,
     },
-    Halves(Box<[Node; 2]>),
+    Halves(Box<[TriangleNode; 2]>),
 }
 
 /// A box of fewer triangles is not divided further.
@@ -72,7 +72,7 @@ impl SurfaceDistance {
     }
 
     fn of(mut triangles: Vec<[DVec3; 3]>) -> Self {
-        let root = Node::new(&mut triangles, 0);
+        let root = TriangleNode::new(&mut triangles, 0);
         Self { triangles, root }
     }
 
@@ -98,16 +98,16 @@ impl SurfaceDistance {
     }
 
     /// Adds the normals of the triangles at this distance.
-    fn add_normals(&self, node: &Node, point: DVec3, dist_sq: f64, normal: &mut DVec3) {
+    fn add_normals(&self, node: &TriangleNode, point: DVec3, dist_sq: f64, normal: &mut DVec3) {
         match &node.content {
-            Content::Leaf { start, end } => {
+            NodeContent::Leaf { start, end } => {
                 for [a, b, c] in &self.triangles[*start..*end] {
                     if nearest_point([*a, *b, *c], point).distance_squared(point) <= dist_sq {
                         *normal += (b - a).cross(c - a).normalize_or_zero();
                     }
                 }
             }
-            Content::Halves(halves) => {
+            NodeContent::Halves(halves) => {
                 for half in halves.iter().filter(|half| half.distance_sq(point) <= dist_sq) {
                     self.add_normals(half, point, dist_sq, normal);
                 }
@@ -136,23 +136,23 @@ impl SurfaceDistance {
     }
 
     /// The nearest triangle if its squared distance is below the limit; otherwise the limit and any triangle.
-    fn nearest(&self, point: DVec3, limit: f64) -> Nearest {
-        let mut nearest = Nearest { dist_sq: limit, triangle: 0 };
+    fn nearest(&self, point: DVec3, limit: f64) -> NearestTriangle {
+        let mut nearest = NearestTriangle { dist_sq: limit, triangle: 0 };
         self.search(&self.root, point, &mut nearest);
         nearest
     }
 
-    fn search(&self, node: &Node, point: DVec3, nearest: &mut Nearest) {
+    fn search(&self, node: &TriangleNode, point: DVec3, nearest: &mut NearestTriangle) {
         match &node.content {
-            Content::Leaf { start, end } => {
+            NodeContent::Leaf { start, end } => {
                 for (triangle, corners) in (*start..*end).zip(&self.triangles[*start..*end]) {
                     let dist_sq = nearest_point(*corners, point).distance_squared(point);
                     if dist_sq < nearest.dist_sq {
-                        *nearest = Nearest { dist_sq, triangle };
+                        *nearest = NearestTriangle { dist_sq, triangle };
                     }
                 }
             }
-            Content::Halves(halves) => {
+            NodeContent::Halves(halves) => {
                 let [a, b] = halves.each_ref().map(|half| (half, half.distance_sq(point)));
                 for (half, dist_sq) in if a.1 <= b.1 { [a, b] } else { [b, a] } {
                     if dist_sq < nearest.dist_sq {
@@ -164,21 +164,21 @@ impl SurfaceDistance {
     }
 }
 
-impl Node {
+impl TriangleNode {
     /// Divides the triangles (at least one, the first with the number `start`) at the middle one along the
     /// longest side of their box.
     fn new(triangles: &mut [[DVec3; 3]], start: usize) -> Self {
         let bounds = Aabb::around(triangles.iter().copied().flatten()).expect("there are triangles");
         let n = triangles.len();
         if n < LEAF {
-            return Self { bounds, content: Content::Leaf { start, end: start + n } };
+            return Self { bounds, content: NodeContent::Leaf { start, end: start + n } };
         }
         let axis = bounds.size().max_position();
         let along = |t: &[DVec3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
         triangles.select_nth_unstable_by(n / 2, |a, b| along(a).total_cmp(&along(b)));
         let (low, high) = triangles.split_at_mut(n / 2);
         let halves = [Self::new(low, start), Self::new(high, start + n / 2)];
-        Self { bounds, content: Content::Halves(Box::new(halves)) }
+        Self { bounds, content: NodeContent::Halves(Box::new(halves)) }
     }
 
     fn distance_sq(&self, point: DVec3) -> f64 {

@@ -33,7 +33,7 @@ const N_ROUNDS: usize = 30;
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
 #[derive(Clone, Copy)]
-struct Variant {
+struct QuestionVariant {
     name: &'static str,
     belief: Belief,
     counts: Counts,
@@ -59,18 +59,18 @@ enum Counts {
     OncePerRay,
 }
 
-const PLAIN: Variant =
-    Variant { name: "plain", belief: Belief::Learned, counts: Counts::OncePerView, looks_ahead: false };
+const PLAIN: QuestionVariant =
+    QuestionVariant { name: "plain", belief: Belief::Learned, counts: Counts::OncePerView, looks_ahead: false };
 
-const VARIANTS: [Variant; 8] = [
+const VARIANTS: [QuestionVariant; 8] = [
     PLAIN,
-    Variant { name: "counts once per ray", counts: Counts::OncePerRay, ..PLAIN },
-    Variant { name: "best pair of views", looks_ahead: true, ..PLAIN },
-    Variant { name: "learned, field 0.5", belief: Belief::LearnedField(0.5), ..PLAIN },
-    Variant { name: "learned, field 2", belief: Belief::LearnedField(2.0), ..PLAIN },
-    Variant { name: "field alone, 0.2", belief: Belief::Field(0.2), ..PLAIN },
-    Variant { name: "field alone, 0.4", belief: Belief::Field(0.4), ..PLAIN },
-    Variant { name: "field alone, 0.8", belief: Belief::Field(0.8), ..PLAIN },
+    QuestionVariant { name: "counts once per ray", counts: Counts::OncePerRay, ..PLAIN },
+    QuestionVariant { name: "best pair of views", looks_ahead: true, ..PLAIN },
+    QuestionVariant { name: "learned, field 0.5", belief: Belief::LearnedField(0.5), ..PLAIN },
+    QuestionVariant { name: "learned, field 2", belief: Belief::LearnedField(2.0), ..PLAIN },
+    QuestionVariant { name: "field alone, 0.2", belief: Belief::Field(0.2), ..PLAIN },
+    QuestionVariant { name: "field alone, 0.4", belief: Belief::Field(0.4), ..PLAIN },
+    QuestionVariant { name: "field alone, 0.8", belief: Belief::Field(0.8), ..PLAIN },
 ];
 
 fn main() -> Outcome<()> {
@@ -92,7 +92,7 @@ fn main() -> Outcome<()> {
 }
 
 struct VariantPlanner {
-    variant: Variant,
+    variant: QuestionVariant,
     prior: SurfacePrior,
 }
 

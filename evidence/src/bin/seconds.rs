@@ -12,7 +12,7 @@ use glam::DVec3;
 use nextview::Error as PlanningError;
 use nextview::motion::{KeepOut, MotionConfig, tour};
 use nextview::planner::{Choice, MostSurface, MostSurfaceConfig, Plan, RandomViews, Situation, ViewPlanner};
-use nextview_evidence::known_object::{KnownObject, Step};
+use nextview_evidence::known_object::{KnownObject, KnownStep};
 use std::error::Error;
 use std::path::Path;
 
@@ -49,14 +49,14 @@ const KINDS: [(&str, Kind); 11] = [
 fn main() -> Outcome<()> {
     let mut arguments = std::env::args().skip(1);
     let n_starts: usize = arguments.next().ok_or("usage: seconds N_STARTS MESH ...")?.parse()?;
-    let mut scans: Vec<Vec<Vec<Step>>> = KINDS.iter().map(|_| Vec::new()).collect();
+    let mut scans: Vec<Vec<Vec<KnownStep>>> = KINDS.iter().map(|_| Vec::new()).collect();
     for path in arguments {
         eprintln!("{path}");
         let object = KnownObject::load(Path::new(&path))?;
         for first_view in (0..n_starts).map(|start| start * APART % KnownObject::N_CANDIDATES) {
             for ((_, kind), scans) in KINDS.iter().zip(&mut scans) {
                 let is_enough =
-                    |steps: &[Step]| steps.last().is_some_and(|last| last.seconds > TIMES[TIMES.len() - 1]);
+                    |steps: &[KnownStep]| steps.last().is_some_and(|last| last.seconds > TIMES[TIMES.len() - 1]);
                 scans.push(object.scan(planner(*kind, &object, first_view)?, first_view, is_enough)?);
             }
         }
@@ -64,7 +64,7 @@ fn main() -> Outcome<()> {
     let times = TIMES.map(|time| format!(" {time:.0} s |"));
     println!("| |{} mean |\n|---|{}---:|", times.concat(), "---:|".repeat(TIMES.len()));
     for ((name, _), scans) in KINDS.iter().zip(&scans) {
-        let mean_of = |of: &dyn Fn(&[Step]) -> f64| {
+        let mean_of = |of: &dyn Fn(&[KnownStep]) -> f64| {
             100.0 * scans.iter().map(|steps| of(steps)).sum::<f64>() / scans.len() as f64
         };
         let cells = TIMES.map(|time| format!(" {:.1} |", mean_of(&|steps| coverage_at(steps, time))));
@@ -130,12 +130,12 @@ fn even_views(object: &KnownObject, first_view: usize, n_views: usize) -> Vec<us
 }
 
 /// The coverage after the last view measured by this time.
-fn coverage_at(steps: &[Step], time: f64) -> f64 {
+fn coverage_at(steps: &[KnownStep], time: f64) -> f64 {
     steps.iter().rev().find(|step| step.seconds <= time).map_or(0.0, |step| step.coverage)
 }
 
 /// The mean coverage over all times until scans end.
-fn mean_coverage(steps: &[Step]) -> f64 {
+fn mean_coverage(steps: &[KnownStep]) -> f64 {
     let end = TIMES[TIMES.len() - 1];
     let ends = steps.iter().skip(1).map(|step| step.seconds).chain([end]).map(|time| time.min(end));
     let areas = steps.iter().zip(ends).map(|(step, until)| step.coverage * (until - step.seconds).max(0.0));

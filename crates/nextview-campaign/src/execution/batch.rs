@@ -33,7 +33,7 @@ pub struct Batch {
 /// A batch as written. The build is checked before the runs are read: another build may write them
 /// differently.
 #[derive(Serialize, Deserialize)]
-struct Message<R> {
+struct BatchMessage<R> {
     build: BuildIdentity,
     runs: R,
 }
@@ -53,14 +53,14 @@ impl Batch {
 
     /// Returns the batch as JSON, for [`Batch::from_json`].
     pub fn to_json(&self) -> Result<String, Fault> {
-        let message = Message { build: BuildIdentity::this(), runs: &self.runs };
+        let message = BatchMessage { build: BuildIdentity::this(), runs: &self.runs };
         serde_json::to_string(&message).map_err(Fault::data)
     }
 
     /// Reads a batch; fails if another build wrote it, because records would be of no use there.
     pub fn from_json(text: &str) -> Result<Self, Fault> {
         let unreadable = |error| Fault::data(format!("a batch of runs cannot be read: {error}"));
-        let Message { build, runs }: Message<Value> = serde_json::from_str(text).map_err(unreadable)?;
+        let BatchMessage { build, runs }: BatchMessage<Value> = serde_json::from_str(text).map_err(unreadable)?;
         let this = BuildIdentity::this();
         if build != this {
             let host = Host::this(1).name;

@@ -8,7 +8,7 @@ pub(super) type Take<'a, R> = &'a (dyn Fn() -> Result<Option<Vec<R>>, Fault> + S
 /// Groups of runs in progress. Jobs ask for tasks until there are none left.
 pub(super) struct Queue<'a, R, T> {
     take: Take<'a, R>,
-    state: Mutex<State<R, T>>,
+    state: Mutex<QueueState<R, T>>,
     changed: Condvar,
 }
 
@@ -20,7 +20,7 @@ pub(super) enum Task<R, T> {
     Run(R, Arc<T>),
 }
 
-struct State<R, T> {
+struct QueueState<R, T> {
     /// Groups with runs left, by number.
     groups: BTreeMap<usize, Group<R, T>>,
     n_taken: usize,
@@ -37,7 +37,7 @@ struct Group<R, T> {
 impl<'a, R: Clone, T> Queue<'a, R, T> {
     /// Creates a queue of the tasks of this source.
     pub fn new(take: Take<'a, R>) -> Self {
-        let state = State { groups: BTreeMap::new(), n_taken: 0, is_exhausted: false };
+        let state = QueueState { groups: BTreeMap::new(), n_taken: 0, is_exhausted: false };
         Self { take, state: Mutex::new(state), changed: Condvar::new() }
     }
 
@@ -75,12 +75,12 @@ impl<'a, R: Clone, T> Queue<'a, R, T> {
         self.changed.notify_all();
     }
 
-    fn lock(&self) -> MutexGuard<'_, State<R, T>> {
+    fn lock(&self) -> MutexGuard<'_, QueueState<R, T>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl<R: Clone, T> State<R, T> {
+impl<R: Clone, T> QueueState<R, T> {
     fn next_run(&mut self) -> Option<Task<R, T>> {
         let (&number, group) = self.groups.iter_mut().find(|(_, group)| group.prepared.is_some())?;
         let prepared = group.prepared.clone()?;

@@ -1,4 +1,4 @@
-use super::reading::Reading;
+use super::reading::OpenSpec;
 use super::{Spec, builtin};
 use crate::runs;
 use nextview_scan::{Faults, files};
@@ -15,7 +15,7 @@ impl Spec {
     /// folder.
     pub fn load(name: &str, objects: &[String]) -> Result<Self, Faults> {
         if let Some(text) = builtin::by_name(name) {
-            return Self::complete(Reading::of(text, None)?, Path::new(""), objects);
+            return Self::complete(OpenSpec::of(text, None)?, Path::new(""), objects);
         }
         let path = Path::new(name);
         let text = files::read_text(path, MAX_BYTES).map_err(|fault| {
@@ -23,22 +23,22 @@ impl Spec {
             fault.with_remedy(format!("name a TOML file or one of {known}"))
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::complete(Reading::of(&text, Some(path))?, folder, objects)
+        Self::complete(OpenSpec::of(&text, Some(path))?, folder, objects)
     }
 
     /// Parses a specification from a text; relative paths in it are relative to this folder.
     pub fn parse(text: &str, folder: &Path) -> Result<Self, Faults> {
-        Self::complete(Reading::of(text, None)?, folder, &[])
+        Self::complete(OpenSpec::of(text, None)?, folder, &[])
     }
 
     /// Reads the specification that a campaign wrote into its folder.
     pub fn of_folder(dir: &Path) -> Result<Self, Faults> {
         let path = dir.join(Self::FILE);
         let text = files::read_text(&path, MAX_BYTES)?;
-        finish(Reading::of(&text, Some(&path))?)
+        finish(OpenSpec::of(&text, Some(&path))?)
     }
 
-    pub(super) fn complete(mut reading: Reading, folder: &Path, objects: &[String]) -> Result<Self, Faults> {
+    pub(super) fn complete(mut reading: OpenSpec, folder: &Path, objects: &[String]) -> Result<Self, Faults> {
         match objects {
             [] => reading.complete_objects(folder),
             objects => reading.replace_objects(objects),
@@ -49,7 +49,7 @@ impl Spec {
 }
 
 /// The specification if its runs can be identified and configured.
-fn finish(mut reading: Reading) -> Result<Spec, Faults> {
+fn finish(mut reading: OpenSpec) -> Result<Spec, Faults> {
     runs::check(&reading.spec, &mut reading.faults);
     reading.faults.placed(&reading.positions).or(reading.spec)
 }

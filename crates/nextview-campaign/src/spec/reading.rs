@@ -7,13 +7,13 @@ use std::path::Path;
 use toml::{Table, Value};
 
 /// A specification in progress from a text, with the faults found in it.
-pub(super) struct Reading {
+pub(super) struct OpenSpec {
     pub spec: Spec,
     pub positions: Positions,
     pub faults: FaultList,
 }
 
-impl Reading {
+impl OpenSpec {
     /// Reads the text; only a text that is not TOML fails at once.
     pub fn of(text: &str, file: Option<&Path>) -> Result<Self, Faults> {
         let (positions, table) = Positions::read(text, file)?;

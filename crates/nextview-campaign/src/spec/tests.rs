@@ -1,4 +1,4 @@
-use super::reading::Reading;
+use super::reading::OpenSpec;
 use super::*;
 use crate::made_up;
 use nextview_scan::Fault;
@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// The faults of a specification, as in a file with this name.
 fn faults(text: &str) -> Vec<String> {
-    let reading = Reading::of(text, Some(Path::new("mine.toml")));
+    let reading = OpenSpec::of(text, Some(Path::new("mine.toml")));
     let faults = reading.and_then(|reading| Spec::complete(reading, Path::new(""), &[])).unwrap_err();
     let with_remedy = |fault: &Fault| match &fault.remedy {
         Some(remedy) => format!("{fault}; {remedy}"),
@@ -241,7 +241,7 @@ scan = { nbv_net.weights = "net.bin" }
 sweep."nbv_net.weights" = ["1.bin", "2.bin"]
 "#;
     let folder = std::path::absolute("folder").unwrap();
-    let mut reading = Reading::of(text, None).unwrap();
+    let mut reading = OpenSpec::of(text, None).unwrap();
     reading.complete_variants(&folder);
     let whole = |name: &str| folder.join(name).into_os_string().into_string().unwrap();
     let variant = &reading.spec.variant[0];
@@ -254,7 +254,7 @@ sweep."nbv_net.weights" = ["1.bin", "2.bin"]
 fn sensors_are_names_or_files_by_their_whole_paths() {
     let text = "name = 'x'\nscan.sensor = 'mine.toml'\n[[variant]]\nsweep.sensor = ['d405', 'own.toml']\n";
     let folder = std::path::absolute("folder").unwrap();
-    let mut reading = Reading::of(text, None).unwrap();
+    let mut reading = OpenSpec::of(text, None).unwrap();
     reading.complete_variants(&folder);
     let swept = reading.spec.variant[0].sweep["sensor"].as_array().unwrap();
     let own = folder.join("own.toml").into_os_string().into_string().unwrap();

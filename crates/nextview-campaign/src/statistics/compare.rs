@@ -24,7 +24,7 @@ const TIME: usize = MEASURES.len() - 1;
 /// Compares the common runs of campaigns A and B. Both are read once, in parallel.
 pub fn compare(a: &StoredRuns, b: &StoredRuns) -> Result<Comparison, Fault> {
     let (variants, renamed) = variants(a, b);
-    let mut found = Found::default();
+    let mut found = CommonRuns::default();
     // Both are sorted by identity, even if B's only variant has another name.
     let (mut runs_a, mut runs_b) = (a.runs.iter(), b.runs.iter());
     let (mut next_a, mut next_b) = (runs_a.next().transpose()?, runs_b.next().transpose()?);
@@ -84,7 +84,7 @@ fn id_in_a(run: &RunRecord, renamed: Option<&str>) -> RunId {
 
 /// The runs found in both campaigns.
 #[derive(Default)]
-struct Found {
+struct CommonRuns {
     /// By the name of the variant in A.
     variants: BTreeMap<String, BTreeMap<StudyObject, ObjectRuns>>,
     n_pairs: usize,
@@ -95,7 +95,7 @@ struct Found {
     has_unequal_pair: bool,
 }
 
-impl Found {
+impl CommonRuns {
     /// Adds the next run: of A, of B, or of both.
     fn add(&mut self, a: Option<RunRecord>, b: Option<RunRecord>) {
         match (a, b) {

@@ -1,6 +1,6 @@
 use super::RUNS;
 use crate::RunRecord;
-use nextview_scan::{Fault, Place, files};
+use nextview_scan::{Fault, FilePosition, files};
 use rayon::prelude::*;
 use serde::de::DeserializeOwned;
 use std::collections::VecDeque;

@@ -7,10 +7,10 @@ use toml::Value;
 
 /// The values set in any configuration, by their dotted keys, with the common type of each.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ConfigKeys(BTreeMap<String, Kind>);
+pub(super) struct ConfigKeys(BTreeMap<String, KeyType>);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum KeyType {
     Bool,
     Int,
     Float,
@@ -22,9 +22,9 @@ impl ConfigKeys {
     /// Adds the values of a configuration.
     pub fn add(&mut self, config: &ScanConfig) -> Result<(), Fault> {
         for (key, value) in flat(config)? {
-            let kind = Kind::of(&value);
+            let kind = KeyType::of(&value);
             match self.0.get_mut(&key) {
-                Some(known) if *known != kind => *known = Kind::Text,
+                Some(known) if *known != kind => *known = KeyType::Text,
                 Some(_) => (),
                 None => drop(self.0.insert(key, kind)),
             }
@@ -63,7 +63,7 @@ fn walk(prefix: &str, table: toml::Table, values: &mut BTreeMap<String, Value>) 
     }
 }
 
-impl Kind {
+impl KeyType {
     fn of(value: &Value) -> Self {
         match value {
             Value::Boolean(_) => Self::Bool,

@@ -4,7 +4,7 @@
 use super::out::Out;
 use crate::masks::{Mask, Masks};
 use crate::scanned::Scanned;
-use crate::view::View;
+use crate::view::UndistortedView;
 use glam::DVec3;
 use nextview::geometry::sphere;
 use nextview::sensor::Depth;
@@ -62,7 +62,7 @@ pub(super) fn write(scanned: &Scanned, out: &mut Out) -> Result<(), Fault> {
 }
 
 /// Rotation row by row, and translation in millimetres.
-fn camera_from_world(view: &View) -> (Vec<f64>, Vec<f64>) {
+fn camera_from_world(view: &UndistortedView) -> (Vec<f64>, Vec<f64>) {
     let rows = rows_of_pose(&view.world_from_camera().inverse());
     let rotation = rows[..3].iter().flat_map(|row| row[..3].to_vec()).collect();
     (rotation, rows[..3].iter().map(|row| MM * row[3]).collect())
@@ -102,7 +102,7 @@ fn diameter(points: &[DVec3]) -> f64 {
     ends.iter().map(farthest).fold(0.0, f64::max).sqrt()
 }
 
-fn info(view: &View, mask: &Mask, width: u32) -> Value {
+fn info(view: &UndistortedView, mask: &Mask, width: u32) -> Value {
     let count = |mask: &[bool]| mask.iter().filter(|is_object| **is_object).count();
     let (n_all, n_visible) = (count(&mask.whole), count(&mask.visible));
     let is_valid = |(pixel, is_object): (Depth, &bool)| *is_object && matches!(pixel, Depth::Surface(_));

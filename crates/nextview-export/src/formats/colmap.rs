@@ -4,7 +4,7 @@
 use super::out::Out;
 use crate::masks::Masks;
 use crate::scanned::Scanned;
-use crate::view::View;
+use crate::view::UndistortedView;
 use glam::{DVec2, DVec3};
 use nextview::sensor::Depth;
 use nextview_recording::{encode_color, encode_mask};
@@ -24,7 +24,7 @@ const TOLERANCE: (f64, f64) = (0.001, 0.005);
 const PINHOLE: i32 = 1;
 
 /// A point shown by at least two images.
-struct Point {
+struct ColmapPoint {
     position: DVec3,
     color: [u8; 3],
     /// Indices of an image, and of the point in it.
@@ -32,7 +32,7 @@ struct Point {
 }
 
 /// The points shown by an image.
-struct Seen {
+struct ShownPoints {
     /// The pixel, and the index of the point.
     points: Vec<(DVec2, usize)>,
 }
@@ -58,15 +58,15 @@ pub(super) fn write(scanned: &Scanned, out: &mut Out) -> Result<(), Fault> {
     Ok(())
 }
 
-fn image_name(view: &View) -> String {
+fn image_name(view: &UndistortedView) -> String {
     view.stem() + ".png"
 }
 
 /// Some points of the cloud, and the pixels at which images show them.
-fn tracks(scanned: &Scanned) -> (Vec<Point>, Vec<Seen>) {
+fn tracks(scanned: &Scanned) -> (Vec<ColmapPoint>, Vec<ShownPoints>) {
     let stride = scanned.cloud.points.len().div_ceil(MAX_POINTS).max(1);
     let mut points = Vec::new();
-    let mut seen: Vec<Seen> = scanned.views.iter().map(|_| Seen { points: Vec::new() }).collect();
+    let mut seen: Vec<ShownPoints> = scanned.views.iter().map(|_| ShownPoints { points: Vec::new() }).collect();
     for point in scanned.cloud.points.iter().step_by(stride) {
         let pixels = scanned.views.iter().map(|view| pixel_of(view, point.position));
         let pixels: Vec<(usize, DVec2)> =
@@ -79,13 +79,13 @@ fn tracks(scanned: &Scanned) -> (Vec<Point>, Vec<Seen>) {
             track.push((i, seen[i].points.len()));
             seen[i].points.push((pixel, points.len()));
         }
-        points.push(Point { position: point.position, color: point.color.unwrap_or([128; 3]), track });
+        points.push(ColmapPoint { position: point.position, color: point.color.unwrap_or([128; 3]), track });
     }
     (points, seen)
 }
 
 /// The pixel that shows a point; `None` if it is occluded.
-fn pixel_of(view: &View, point: DVec3) -> Option<DVec2> {
+fn pixel_of(view: &UndistortedView, point: DVec3) -> Option<DVec2> {
     let in_camera = view.world_from_camera().inverse().transform_point(point);
     let intrinsics = view.frame.intrinsics();
     let pixel = intrinsics.project(in_camera).filter(|pixel| intrinsics.contains(*pixel))?;
@@ -105,7 +105,7 @@ fn parameters(scanned: &Scanned) -> [f64; 4] {
 }
 
 /// Camera from world: quaternion, scalar first, and translation.
-fn pose(view: &View) -> [f64; 7] {
+fn pose(view: &UndistortedView) -> [f64; 7] {
     let pose = view.world_from_camera().inverse();
     let (q, t) = (pose.rotation(), pose.translation());
     [q.w, q.x, q.y, q.z, t.x, t.y, t.z]
@@ -117,7 +117,7 @@ fn cameras_text(scanned: &Scanned) -> String {
     format!("# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 PINHOLE {width} {height} {fx} {fy} {cx} {cy}\n")
 }
 
-fn images_text(scanned: &Scanned, seen: &[Seen]) -> String {
+fn images_text(scanned: &Scanned, seen: &[ShownPoints]) -> String {
     let mut text =
         "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as X, Y, POINT3D_ID\n"
             .to_owned();
@@ -131,9 +131,9 @@ fn images_text(scanned: &Scanned, seen: &[Seen]) -> String {
     text
 }
 
-fn points_text(points: &[Point]) -> String {
+fn points_text(points: &[ColmapPoint]) -> String {
     let mut text = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as IMAGE_ID, POINT2D_IDX\n".to_owned();
-    for (i, Point { position: p, color: [r, g, b], track }) in points.iter().enumerate() {
+    for (i, ColmapPoint { position: p, color: [r, g, b], track }) in points.iter().enumerate() {
         let track = track.iter().map(|(image, point)| format!("{} {point}", image + 1));
         let track = track.collect::<Vec<_>>().join(" ");
         let _ = writeln!(text, "{} {} {} {} {r} {g} {b} 0 {track}", i + 1, p.x, p.y, p.z); // to memory
@@ -151,7 +151,7 @@ fn cameras_bytes(scanned: &Scanned) -> Vec<u8> {
     bytes
 }
 
-fn images_bytes(scanned: &Scanned, seen: &[Seen]) -> Vec<u8> {
+fn images_bytes(scanned: &Scanned, seen: &[ShownPoints]) -> Vec<u8> {
     let mut bytes = (scanned.views.len() as u64).to_le_bytes().to_vec();
     for (i, (view, seen)) in scanned.views.iter().zip(seen).enumerate() {
         bytes.extend((i as u32 + 1).to_le_bytes());
@@ -168,9 +168,9 @@ fn images_bytes(scanned: &Scanned, seen: &[Seen]) -> Vec<u8> {
     bytes
 }
 
-fn points_bytes(points: &[Point]) -> Vec<u8> {
+fn points_bytes(points: &[ColmapPoint]) -> Vec<u8> {
     let mut bytes = (points.len() as u64).to_le_bytes().to_vec();
-    for (i, Point { position, color, track }) in points.iter().enumerate() {
+    for (i, ColmapPoint { position, color, track }) in points.iter().enumerate() {
         bytes.extend((i as u64 + 1).to_le_bytes());
         bytes.extend(position.to_array().into_iter().flat_map(f64::to_le_bytes));
         bytes.extend(color);

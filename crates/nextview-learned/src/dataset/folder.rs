@@ -1,6 +1,6 @@
 use super::error::DatasetError;
 use super::npy;
-use super::sample::Sample;
+use super::sample::TrainingSample;
 use super::{DatasetConfig, NetworkName};
 use nextview::text;
 use std::fs::{self, File};
@@ -33,7 +33,7 @@ impl Folder {
     }
 
     /// Writes the samples of the file that starts with this object.
-    pub fn write(&self, first: u32, network: NetworkName, samples: &[Sample]) -> Result<(), DatasetError> {
+    pub fn write(&self, first: u32, network: NetworkName, samples: &[TrainingSample]) -> Result<(), DatasetError> {
         replace(&self.file(first), |writer| npy::write(writer, network, samples))
     }
 

@@ -17,7 +17,7 @@ pub use network_name::NetworkName;
 use folder::Folder;
 use nextview_sim::SimError;
 use rayon::prelude::*;
-use sample::Sample;
+use sample::TrainingSample;
 use std::ops::Range;
 use std::path::Path;
 
@@ -49,9 +49,9 @@ fn samples(
     config: &DatasetConfig,
     objects: Range<u32>,
     progress: impl Fn() + Sync,
-) -> Result<Vec<Sample>, SimError> {
+) -> Result<Vec<TrainingSample>, SimError> {
     let samples = |object| sample::samples(config.network, object, config.seed).inspect(|_| progress());
-    let parts: Vec<Vec<Sample>> = objects.into_par_iter().map(samples).collect::<Result<_, _>>()?;
+    let parts: Vec<Vec<TrainingSample>> = objects.into_par_iter().map(samples).collect::<Result<_, _>>()?;
     Ok(parts.into_iter().flatten().collect())
 }
 
@@ -62,7 +62,7 @@ mod tests {
     use crate::pc_nbv::{Cloud, views};
     use crate::{nbv_net, nbv_regression, pc_nbv};
 
-    fn samples_of(network: NetworkName, objects: Range<u32>, seed: u32) -> Vec<Sample> {
+    fn samples_of(network: NetworkName, objects: Range<u32>, seed: u32) -> Vec<TrainingSample> {
         samples(&DatasetConfig { network, objects: objects.end, seed }, objects, || ()).unwrap()
     }
 
@@ -146,7 +146,7 @@ mod tests {
 
     /// The mean gain of the view that a network chooses, and of all views, as shares of the best view's gain,
     /// on objects with another seed than its training.
-    fn judge(network: NetworkName, view: impl Fn(&Sample) -> usize) -> [f64; 2] {
+    fn judge(network: NetworkName, view: impl Fn(&TrainingSample) -> usize) -> [f64; 2] {
         let samples = samples_of(network, 0..20, 1);
         let (mut named, mut mean) = (0.0, 0.0);
         for sample in &samples {

@@ -1,11 +1,11 @@
 //! NumPy's file format, version 1.0, for an array of records.
 
 use super::NetworkName;
-use super::sample::Sample;
+use super::sample::TrainingSample;
 use std::io::{self, Write};
 
 /// Writes the samples as an array for `numpy.load`.
-pub(super) fn write(writer: &mut impl Write, network: NetworkName, samples: &[Sample]) -> io::Result<()> {
+pub(super) fn write(writer: &mut impl Write, network: NetworkName, samples: &[TrainingSample]) -> io::Result<()> {
     writer.write_all(&header(network, samples.len()))?;
     for sample in samples {
         writer.write_all(&sample.object.to_le_bytes())?;
@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn records_are_as_long_as_the_header_says() {
-        let sample = Sample {
+        let sample = TrainingSample {
             object: 0x0403_0201,
             n_views: 5,
             label: 6,

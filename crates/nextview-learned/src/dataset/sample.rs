@@ -18,7 +18,7 @@ use nextview_sim::truth::ObjectVoxels;
 
 /// A training sample: the known state after a few views, and the gain of each of the network's views.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Sample {
+pub(super) struct TrainingSample {
     /// Number of the object.
     pub object: u32,
     /// Number of views taken.
@@ -50,13 +50,13 @@ const VOXEL_SIZES: [f64; 4] = [0.01, 0.008, 0.006, 0.005];
 const STREAM: u64 = 31;
 
 /// The samples of an object: a scan of random views.
-pub(super) fn samples(network: NetworkName, object: u32, seed: u32) -> Result<Vec<Sample>, SimError> {
+pub(super) fn samples(network: NetworkName, object: u32, seed: u32) -> Result<Vec<TrainingSample>, SimError> {
     let seed = object_seed(network, object, seed);
     let mut random = Random::new(seed, STREAM);
     let voxel_size = VOXEL_SIZES[random.index(VOXEL_SIZES.len())];
     let background = [Background::Carve, Background::Ignore][random.index(2)];
     let scene = Scene::new(random_object(seed), camera()?)?;
-    let mut scan = Scan::new(network, &scene, voxel_size, background)?;
+    let mut scan = SampledScan::new(network, &scene, voxel_size, background)?;
     let anywhere = generate::shell(scene.center(), scene.size(), MAX_VIEWS.into(), seed)?;
     let mut best = None;
     let mut samples = Vec::new();
@@ -69,7 +69,7 @@ pub(super) fn samples(network: NetworkName, object: u32, seed: u32) -> Result<Ve
         scan.take(&pose)?;
         let (seen, gains) = (scan.seen.iter().map(count).collect::<Vec<u32>>(), scan.gains());
         best = label(&seen, &gains);
-        let sample = |label: usize| Sample {
+        let sample = |label: usize| TrainingSample {
             object,
             n_views,
             label: label as u8,
@@ -102,7 +102,7 @@ fn camera() -> Result<Intrinsics, Error> {
 }
 
 /// A scan in progress.
-struct Scan<'a> {
+struct SampledScan<'a> {
     scene: &'a Scene,
     truth: ObjectVoxels,
     map: OccupancyMap,
@@ -116,7 +116,7 @@ struct Scan<'a> {
     positions: Vec<DVec3>,
 }
 
-impl<'a> Scan<'a> {
+impl<'a> SampledScan<'a> {
     fn new(
         network: NetworkName,
         scene: &'a Scene,

@@ -19,7 +19,7 @@ pub(super) fn boundaries(
         .expect("the constructor checked the ray spacing")
         .within(situation.depth_range());
     let rim = Rim::new(snapshot);
-    let after = |seen: &mut Seen, &view: &usize| {
+    let after = |seen: &mut SeenVoxels, &view: &usize| {
         seen.forget();
         caster.try_cast(&situation.views().pose(view), |ray| {
             ray.crossings.iter().for_each(|crossing| seen.mark(crossing.voxel as usize));
@@ -27,7 +27,7 @@ pub(super) fn boundaries(
         })?;
         Ok(rim.n_frontier_after(seen))
     };
-    views.par_iter().map_init(|| Seen::new(snapshot.block().n_voxels()), after).collect()
+    views.par_iter().map_init(|| SeenVoxels::new(snapshot.block().n_voxels()), after).collect()
 }
 
 /// The unknown voxels that touch an occupied one: each that also touches a free one is a frontier voxel.
@@ -50,7 +50,7 @@ impl Rim {
         Self { block, voxels }
     }
 
-    fn n_frontier_after(&self, seen: &Seen) -> usize {
+    fn n_frontier_after(&self, seen: &SeenVoxels) -> usize {
         let remains = |&&(voxel, is_frontier): &&(usize, bool)| {
             let touches_seen = || around(self.block, voxel).any(|other| seen.holds(other));
             !seen.holds(voxel) && (is_frontier || touches_seen())
@@ -67,13 +67,13 @@ fn around(block: VoxelBlock, voxel: usize) -> impl Iterator<Item = usize> {
 }
 
 /// The voxels that a view sees.
-struct Seen {
+struct SeenVoxels {
     /// By voxel, the number of the last view that saw it.
     view: Vec<u32>,
     n_views: u32,
 }
 
-impl Seen {
+impl SeenVoxels {
     fn new(n_voxels: usize) -> Self {
         Self { view: vec![0; n_voxels], n_views: 0 }
     }

@@ -12,4 +12,4 @@ mod survey;
 
 pub use planner::Kaba;
 pub use policy::{BOUNDARY_WEIGHTS, Policy};
-pub use survey::{N_FEATURES, Survey, Surveyor};
+pub use survey::{N_FEATURES, KabaSurvey, Surveyor};

@@ -28,7 +28,7 @@ struct Before {
 
 /// The open views of a situation with their gains and boundaries, and the features of the situation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Survey {
+pub struct KabaSurvey {
     views: Vec<ViewValue>,
     features: [f64; N_FEATURES],
 }
@@ -51,7 +51,7 @@ impl Surveyor {
 
     /// Surveys the next situation of the scan; `None` if no open view gains anything. If cancelled, the
     /// surveyor stays unchanged.
-    pub fn survey(&mut self, situation: &Situation<'_>) -> Result<Option<Survey>, Cancelled> {
+    pub fn survey(&mut self, situation: &Situation<'_>) -> Result<Option<KabaSurvey>, Cancelled> {
         let open = situation.open_views();
         let gains = self.gain.gains(situation, &open)?;
         let best = gains.iter().copied().fold(0.0, f64::max);
@@ -83,11 +83,11 @@ impl Surveyor {
             largest_gap(situation, &open) / std::f64::consts::PI,
         ];
         self.before = Some(Before { unknown, frontier, ..before });
-        Ok(Some(Survey { views, features: features(&numbers) }))
+        Ok(Some(KabaSurvey { views, features: features(&numbers) }))
     }
 }
 
-impl Survey {
+impl KabaSurvey {
     /// Returns the features of the state for a linear value function: 1, the eight numbers of
     /// `docs/methods/kaba.md`, and the products of each with itself and the later ones. All are in 0..=1.
     pub fn features(&self) -> &[f64; N_FEATURES] {
@@ -156,13 +156,13 @@ mod tests {
     #[test]
     fn weighs_the_boundary_against_the_gain() {
         let views = vec![value(2, 0.9, 0.2), value(3, 1.0, 0.9), value(5, 0.0, 0.0), value(7, 0.9, 0.2)];
-        let survey = Survey { views, features: [0.0; N_FEATURES] };
+        let survey = KabaSurvey { views, features: [0.0; N_FEATURES] };
         let chosen = |weight| survey.choice(weight).map(|choice| (choice.view, choice.runner_up));
         assert_eq!(chosen(0.0), Some((3, Some(2))), "the greedy planner");
         assert_eq!(chosen(0.25), Some((2, Some(7))), "the first on ties");
         let choice = survey.choice(0.5).unwrap();
         assert!((choice.score - 0.8).abs() < 1e-12);
-        let nothing = Survey { views: vec![value(0, 0.0, 0.0)], features: [0.0; N_FEATURES] };
+        let nothing = KabaSurvey { views: vec![value(0, 0.0, 0.0)], features: [0.0; N_FEATURES] };
         assert_eq!(nothing.choice(0.0), None);
     }
 

@@ -1,7 +1,7 @@
 use super::views::N_VIEWS;
 use crate::grid::Grid;
 use crate::grid_network::{self, GridNetwork, N_FEATURES};
-use crate::weights::{Layout, WeightsError};
+use crate::weights::{NetworkLayout, WeightsError};
 
 /// The network of the paper: maps a [`Grid`] to a number for each of the 14 views; larger is better.
 ///
@@ -30,7 +30,7 @@ const UNITS: [usize; 6] = [N_FEATURES, 1500, 500, 100, 50, N_VIEWS];
 const WEIGHTS: &[u8] = include_bytes!("../../weights/nbv_net.safetensors");
 
 /// The layers, by their names in the published network.
-pub(crate) fn layout() -> Layout {
+pub(crate) fn layout() -> NetworkLayout {
     grid_network::layout("NBV-Net", &UNITS)
 }
 

@@ -1,6 +1,6 @@
 use crate::grid::Grid;
 use crate::grid_network::{self, GridNetwork, N_FEATURES};
-use crate::weights::{Layout, WeightsError};
+use crate::weights::{NetworkLayout, WeightsError};
 use glam::DVec3;
 
 /// The network: maps a [`Grid`] to the direction of the next view.
@@ -26,7 +26,7 @@ const UNITS: [usize; 4] = [N_FEATURES, 500, 100, 3];
 const WEIGHTS: &[u8] = include_bytes!("../../weights/nbv_regression.safetensors");
 
 /// The layers, named like those of NBV-Net.
-pub(crate) fn layout() -> Layout {
+pub(crate) fn layout() -> NetworkLayout {
     grid_network::layout("NBV regression", &UNITS)
 }
 

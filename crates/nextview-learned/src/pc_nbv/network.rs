@@ -1,7 +1,7 @@
 use super::cloud::Cloud;
 use super::views::N_VIEWS;
 use crate::layers::{Dense, rectify};
-use crate::weights::{self, Layout, WeightsError};
+use crate::weights::{self, NetworkLayout, WeightsError};
 use pulp::{Arch, Simd, WithSimd};
 
 /// The network: maps a [`Cloud`] and the visited views to the share of new surface that each of the 33 views
@@ -56,7 +56,7 @@ const N_HIDDEN: usize = 128;
 /// The library's weights; `docs/methods/pc-nbv.md` describes the training.
 const WEIGHTS: &[u8] = include_bytes!("../../weights/pc_nbv.safetensors");
 
-fn layout() -> Layout {
+fn layout() -> NetworkLayout {
     let edge = |block: usize| {
         (0..3).map(move |n| (format!("edge{block}_{}", n + 1), N_FEATURES * 2, n)).map(|(name, pair, n)| {
             let n_in = if n == 0 { pair } else { N_FEATURES + n * GROWTH };
@@ -79,7 +79,7 @@ fn layout() -> Layout {
             dense("fc2", N_HIDDEN, N_LIFTED),
             dense("fc3", N_VIEWS, N_HIDDEN),
         ]);
-    Layout { network: "PC-NBV", layers: layers.collect() }
+    NetworkLayout { network: "PC-NBV", layers: layers.collect() }
 }
 
 impl Default for Network {
@@ -109,19 +109,19 @@ impl Network {
 
     /// Returns for each view the share of new surface of the object that it would show; not bounded.
     pub fn gains(&self, cloud: &Cloud, visited: &[bool; N_VIEWS]) -> [f32; N_VIEWS] {
-        Arch::new().dispatch(Forward { network: self, cloud, visited })
+        Arch::new().dispatch(CloudForward { network: self, cloud, visited })
     }
 }
 
 /// Computes the gains with the CPU's instructions.
 #[derive(Clone, Copy)]
-struct Forward<'a> {
+struct CloudForward<'a> {
     network: &'a Network,
     cloud: &'a Cloud,
     visited: &'a [bool; N_VIEWS],
 }
 
-impl WithSimd for Forward<'_> {
+impl WithSimd for CloudForward<'_> {
     type Output = [f32; N_VIEWS];
 
     #[inline(always)]
@@ -387,7 +387,7 @@ mod tests {
     #[test]
     fn has_the_same_bits_with_all_instructions() {
         let (network, (cloud, visited)) = (Network::default(), input(9));
-        let scalar = Forward { network: &network, cloud: &cloud, visited: &visited };
+        let scalar = CloudForward { network: &network, cloud: &cloud, visited: &visited };
         let scalar = scalar.with_simd(pulp::Scalar::new());
         assert_eq!(scalar.map(f32::to_bits), network.gains(&cloud, &visited).map(f32::to_bits));
     }

@@ -16,7 +16,7 @@ pub enum WeightsError {
         /// Its name.
         name: String,
         /// The expected shape.
-        expected: Shape,
+        expected: TensorShape,
     },
     /// A tensor that the network does not have.
     #[error(
@@ -37,9 +37,9 @@ pub enum WeightsError {
         /// Its name.
         name: String,
         /// The shape in the file.
-        found: Shape,
+        found: TensorShape,
         /// The expected shape.
-        expected: Shape,
+        expected: TensorShape,
     },
     /// A tensor has an unsupported number type.
     #[error("the tensor {name} is of type {found}, expected F32 or F16")]
@@ -63,9 +63,9 @@ pub enum WeightsError {
 
 /// Lengths of a tensor's axes.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Shape(pub Vec<usize>);
+pub struct TensorShape(pub Vec<usize>);
 
-impl std::fmt::Display for Shape {
+impl std::fmt::Display for TensorShape {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let axes: Vec<String> = self.0.iter().map(usize::to_string).collect();
         write!(f, "[{}]", axes.join(", "))

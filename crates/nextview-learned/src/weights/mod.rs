@@ -6,7 +6,7 @@
 
 mod error;
 
-pub use error::{Shape, WeightsError};
+pub use error::{TensorShape, WeightsError};
 
 use half::f16;
 use serde::Deserialize;
@@ -21,7 +21,7 @@ pub(crate) struct Layer {
 
 /// The layers of a network. A file of its weights has the tensors `weight` and `bias` of each.
 #[derive(Clone, Debug)]
-pub(crate) struct Layout {
+pub(crate) struct NetworkLayout {
     /// Its name.
     pub network: &'static str,
     /// Names of the layers, from the first to the last, and the shapes of their weights.
@@ -30,7 +30,7 @@ pub(crate) struct Layout {
 
 /// A tensor as the header describes it.
 #[derive(Debug, Deserialize)]
-struct Entry {
+struct TensorEntry {
     dtype: String,
     shape: Vec<usize>,
     /// Offsets of its first byte and of the end of its data, counted from the end of the header.
@@ -41,10 +41,10 @@ struct Entry {
 const MAX_HEADER: u64 = 100_000;
 
 /// The layers of a network, from the first to the last.
-pub(crate) fn read(file: &[u8], layout: &Layout) -> Result<Vec<Layer>, WeightsError> {
+pub(crate) fn read(file: &[u8], layout: &NetworkLayout) -> Result<Vec<Layer>, WeightsError> {
     let (mut entries, data) = split(file)?;
     let mut take = |name: String, shape: Vec<usize>| {
-        let expected = Shape(shape);
+        let expected = TensorShape(shape);
         match entries.remove(&name) {
             Some(entry) => numbers(name, entry, expected, data),
             None => Err(WeightsError::Missing { name, expected }),
@@ -65,7 +65,7 @@ pub(crate) fn read(file: &[u8], layout: &Layout) -> Result<Vec<Layer>, WeightsEr
 }
 
 /// The tensors in the header, and the bytes after it.
-fn split(file: &[u8]) -> Result<(BTreeMap<String, Entry>, &[u8]), WeightsError> {
+fn split(file: &[u8]) -> Result<(BTreeMap<String, TensorEntry>, &[u8]), WeightsError> {
     let (length, rest) = file.split_first_chunk().ok_or_else(|| {
         format_error(format!("byte {}", file.len()), "the file ends, expected a safetensors file".to_owned())
     })?;
@@ -93,8 +93,8 @@ fn split(file: &[u8]) -> Result<(BTreeMap<String, Entry>, &[u8]), WeightsError> 
 }
 
 /// The numbers of a tensor, which must be finite and match the expected shape.
-fn numbers(name: String, entry: Entry, expected: Shape, data: &[u8]) -> Result<Vec<f32>, WeightsError> {
-    let found = Shape(entry.shape);
+fn numbers(name: String, entry: TensorEntry, expected: TensorShape, data: &[u8]) -> Result<Vec<f32>, WeightsError> {
+    let found = TensorShape(entry.shape);
     if found != expected {
         return Err(WeightsError::WrongShape { name, found, expected });
     }
@@ -136,7 +136,7 @@ pub(crate) mod tests {
     type Tensor = (String, &'static str, Vec<usize>, Vec<u8>);
 
     /// Returns the tensors of such a network with small random weights, in single precision.
-    pub fn tensors(seed: u64, layout: &Layout) -> Vec<Tensor> {
+    pub fn tensors(seed: u64, layout: &NetworkLayout) -> Vec<Tensor> {
         let mut random = Random::new(seed, 0);
         let mut tensor = |name: String, shape: Vec<usize>, bound: f64| {
             let n = shape.iter().product();
@@ -166,7 +166,7 @@ pub(crate) mod tests {
         [&(header.len() as u64).to_le_bytes()[..], &header, &data].concat()
     }
 
-    fn nbv_net() -> Layout {
+    fn nbv_net() -> NetworkLayout {
         crate::nbv_net::layout()
     }
 

@@ -1,9 +1,9 @@
 //! Drawing the texture.
 
 use super::charts::Chart;
-use super::packing::{Layout, PAD};
+use super::packing::{TextureLayout, PAD};
 use super::photo::Photo;
-use super::sight::{Sight, corners, is_touched, weights};
+use super::sight::{PhotoSight, corners, is_touched, weights};
 use super::textured_mesh::TexturedMesh;
 use glam::{DVec2, DVec3};
 use nextview::Error;
@@ -11,7 +11,7 @@ use nextview::sensor::ColorImage;
 
 /// A texture being drawn.
 pub(super) struct Atlas<'a> {
-    layout: Layout,
+    layout: TextureLayout,
     triangles: &'a [[u32; 3]],
     pixels: Vec<[f32; 3]>,
     /// By pixel, its smallest barycentric weight in its triangle; minus infinity if it is not drawn yet.
@@ -22,7 +22,7 @@ pub(super) struct Atlas<'a> {
 }
 
 impl<'a> Atlas<'a> {
-    pub fn new(layout: Layout, triangles: &'a [[u32; 3]]) -> Self {
+    pub fn new(layout: TextureLayout, triangles: &'a [[u32; 3]]) -> Self {
         let n = layout.size[0] * layout.size[1];
         Self {
             layout,
@@ -40,7 +40,7 @@ impl<'a> Atlas<'a> {
         i: usize,
         chart: &Chart,
         photo: &Photo,
-        sight: &Sight,
+        sight: &PhotoSight,
         corrections: &[[f32; 3]],
         gain: [f32; 3],
     ) {

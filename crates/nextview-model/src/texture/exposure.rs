@@ -1,7 +1,7 @@
 //! Exposure differences between photos.
 
 use super::photo::Photo;
-use super::sight::{Shape, Sight};
+use super::sight::{ViewedMesh, PhotoSight};
 use nextview::{Cancel, Cancelled};
 
 /// Colours outside this range may be clipped and carry no information on the exposure.
@@ -23,8 +23,8 @@ const PRIOR: f64 = 1.0;
 /// minority of vertices can move far. The geometric mean of the factors is 1.
 pub(super) fn gains(
     photos: &[Photo],
-    sights: &[Sight],
-    shape: &Shape,
+    sights: &[PhotoSight],
+    shape: &ViewedMesh,
     cancel: &Cancel,
 ) -> Result<Vec<[f32; 3]>, Cancelled> {
     let n = photos.len();
@@ -73,8 +73,8 @@ type Logarithms = [f64; 3];
 /// colour there.
 fn logarithms(
     photos: &[Photo],
-    sights: &[Sight],
-    shape: &Shape,
+    sights: &[PhotoSight],
+    shape: &ViewedMesh,
     cancel: &Cancel,
 ) -> Result<Vec<Vec<(usize, Logarithms)>>, Cancelled> {
     let mut seen = vec![Vec::new(); shape.vertices.len()];

@@ -1,6 +1,6 @@
 //! Assigns a photo to each triangle.
 
-use super::sight::Sight;
+use super::sight::PhotoSight;
 use nextview::{Cancel, Cancelled};
 use rayon::prelude::*;
 
@@ -15,11 +15,11 @@ const TOGETHER: f32 = 0.5;
 /// It first takes the best quality averaged over neighbours, for large charts; then, in rounds, the photo
 /// that suits the neighbours best. The first photo wins ties.
 pub(super) fn best_photos(
-    sights: &[Sight],
+    sights: &[PhotoSight],
     neighbors: &[Vec<u32>],
     cancel: &Cancel,
 ) -> Result<Vec<Option<usize>>, Cancelled> {
-    let spread = |sight: &Sight| spread(&sight.quality, neighbors, cancel);
+    let spread = |sight: &PhotoSight| spread(&sight.quality, neighbors, cancel);
     let spread: Vec<Vec<f32>> = sights.par_iter().map(spread).collect::<Result<_, _>>()?;
     let seen = |i: usize| (0..sights.len()).filter(move |photo| sights[*photo].quality[i] > 0.0);
     let best =

@@ -28,7 +28,7 @@ use glam::DVec3;
 use nextview::surface::CloudPoint;
 use nextview::{Cancel, Error};
 use rayon::prelude::*;
-use sight::{Shape, Sight};
+use sight::{ViewedMesh, PhotoSight};
 
 /// Largest side of the texture, pixels; charts are scaled down if they do not fit.
 const MAX_SIDE: usize = 4096;
@@ -69,9 +69,9 @@ pub fn texture_mesh(
     if let Some(position) = positions.iter().find(|position| !position.is_finite()) {
         return Err(Error::invalid("vertex", position, "finite numbers of metres"));
     }
-    let shape = Shape::new(&positions, triangles);
-    let look = |photo| Sight::new(photo, &shape, cancel);
-    let sights: Vec<Sight> = photos.par_iter().map(look).collect::<Result<_, _>>()?;
+    let shape = ViewedMesh::new(&positions, triangles);
+    let look = |photo| PhotoSight::new(photo, &shape, cancel);
+    let sights: Vec<PhotoSight> = photos.par_iter().map(look).collect::<Result<_, _>>()?;
     let neighbors = neighbors::of_triangles(triangles);
     let labels = labels::best_photos(&sights, &neighbors, cancel)?;
     let charts = charts::charts(triangles, &labels, &neighbors);
@@ -82,7 +82,7 @@ pub fn texture_mesh(
         true => Vec::new(),
         false => unseen::vertex_colors(vertices, triangles, &levelled.vertex_colors, cancel)?,
     };
-    let layout = packing::Layout::new(&charts, &sights, unseen.len(), MAX_SIDE)?;
+    let layout = packing::TextureLayout::new(&charts, &sights, unseen.len(), MAX_SIDE)?;
     let mut atlas = atlas::Atlas::new(layout, triangles);
     for (i, chart) in charts.iter().enumerate() {
         cancel.check()?;

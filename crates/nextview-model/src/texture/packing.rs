@@ -1,7 +1,7 @@
 //! The layout of charts in the texture.
 
 use super::charts::Chart;
-use super::sight::Sight;
+use super::sight::PhotoSight;
 use glam::DVec2;
 use nextview::Error;
 
@@ -9,7 +9,7 @@ use nextview::Error;
 pub(super) const PAD: usize = 2;
 
 /// The parts of a texture.
-pub(super) struct Layout {
+pub(super) struct TextureLayout {
     /// Width and height, pixels.
     pub size: [usize; 2],
     /// Pixels of the texture per pixel of a photo.
@@ -22,9 +22,9 @@ pub(super) struct Layout {
     pub unseen: [usize; 4],
 }
 
-impl Layout {
+impl TextureLayout {
     /// Returns a layout at the scale of the photos, or the largest that fits into a square of this side.
-    pub fn new(charts: &[Chart], sights: &[Sight], n_unseen: usize, max_side: usize) -> Result<Self, Error> {
+    pub fn new(charts: &[Chart], sights: &[PhotoSight], n_unseen: usize, max_side: usize) -> Result<Self, Error> {
         let extents: Vec<(DVec2, DVec2)> =
             charts.iter().map(|chart| extent(chart, &sights[chart.photo])).collect();
         // Four by four pixels, or one if these would take more than a quarter.
@@ -53,7 +53,7 @@ impl Layout {
 }
 
 /// Returns the pixels of the photo covered by a chart, beginning at a whole pixel.
-fn extent(chart: &Chart, sight: &Sight) -> (DVec2, DVec2) {
+fn extent(chart: &Chart, sight: &PhotoSight) -> (DVec2, DVec2) {
     let pixels = chart.vertices.iter().filter_map(|vertex| sight.places[*vertex as usize]);
     let around = |(low, high): (DVec2, DVec2), pixel: DVec2| (low.min(pixel), high.max(pixel));
     let (low, high) = pixels.map(|place| place.pixel).fold((DVec2::INFINITY, DVec2::NEG_INFINITY), around);

@@ -2,7 +2,7 @@
 
 use super::charts::Chart;
 use super::photo::Photo;
-use super::sight::Sight;
+use super::sight::PhotoSight;
 use nextview::{Cancel, Cancelled};
 
 /// Number of sweeps over all corrections.
@@ -28,7 +28,7 @@ pub(super) struct Levelled {
 /// (Lempitsky & Ivanov 2007), by Gauss-Seidel sweeps.
 pub(super) fn level(
     photos: &[Photo],
-    sights: &[Sight],
+    sights: &[PhotoSight],
     triangles: &[[u32; 3]],
     charts: &[Chart],
     gains: &[[f32; 3]],

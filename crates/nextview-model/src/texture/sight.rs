@@ -15,15 +15,15 @@ const DOUBTFUL: f32 = 0.05;
 
 /// A position in an image: column and row in pixels, and depth in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct ImagePoint {
     pub pixel: DVec2,
     pub depth: f64,
 }
 
 /// A mesh as seen by the camera of a photo.
-pub(super) struct Sight {
+pub(super) struct PhotoSight {
     /// The position of every vertex; `None` behind the camera.
-    pub places: Vec<Option<Place>>,
+    pub places: Vec<Option<ImagePoint>>,
     /// The visibility of every triangle: its area in the image in pixels times the cosine of the angle; 0 if
     /// it is not seen.
     pub quality: Vec<f32>,
@@ -36,7 +36,7 @@ fn tolerance(vertices: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
 }
 
 /// The mesh to view.
-pub(super) struct Shape<'a> {
+pub(super) struct ViewedMesh<'a> {
     pub vertices: &'a [DVec3],
     pub triangles: &'a [[u32; 3]],
     /// Unit normal of every triangle.
@@ -45,7 +45,7 @@ pub(super) struct Shape<'a> {
     pub tolerance: f64,
 }
 
-impl<'a> Shape<'a> {
+impl<'a> ViewedMesh<'a> {
     pub fn new(vertices: &'a [DVec3], triangles: &'a [[u32; 3]]) -> Self {
         let (normals, tolerance) = (smooth(vertices, triangles), tolerance(vertices, triangles));
         Self { vertices, triangles, normals, tolerance }
@@ -58,17 +58,17 @@ impl<'a> Shape<'a> {
     }
 }
 
-impl Sight {
-    pub fn new(photo: &Photo, shape: &Shape, cancel: &Cancel) -> Result<Self, Cancelled> {
-        let Shape { vertices, triangles, tolerance, .. } = *shape;
+impl PhotoSight {
+    pub fn new(photo: &Photo, shape: &ViewedMesh, cancel: &Cancel) -> Result<Self, Cancelled> {
+        let ViewedMesh { vertices, triangles, tolerance, .. } = *shape;
         let frame = &photo.frame;
         let camera_from_world = frame.world_from_camera().inverse();
         let place = |vertex: &DVec3| {
             let point = camera_from_world.transform_point(*vertex);
             let pixel = frame.intrinsics().project(point).filter(|pixel| pixel.is_finite())?;
-            Some(Place { pixel, depth: point.z })
+            Some(ImagePoint { pixel, depth: point.z })
         };
-        let places: Vec<Option<Place>> = vertices.iter().map(place).collect();
+        let places: Vec<Option<ImagePoint>> = vertices.iter().map(place).collect();
         cancel.check()?;
         let size = [frame.image().width(), frame.image().height()];
         let mesh_depth = depth_buffer(&places, triangles, size);
@@ -87,14 +87,14 @@ impl Sight {
 }
 
 /// Returns the positions of the corners of a triangle, if all are in front of the camera.
-pub(super) fn corners(places: &[Option<Place>], triangle: &[u32; 3]) -> Option<[Place; 3]> {
+pub(super) fn corners(places: &[Option<ImagePoint>], triangle: &[u32; 3]) -> Option<[ImagePoint; 3]> {
     let [a, b, c] = triangle.map(|i| places[i as usize]);
     Some([a?, b?, c?])
 }
 
 /// Returns the depth of the mesh at every pixel, infinite without mesh. Pixels on an edge belong to both
 /// sides.
-pub(super) fn depth_buffer(places: &[Option<Place>], triangles: &[[u32; 3]], size: [u32; 2]) -> Vec<f64> {
+pub(super) fn depth_buffer(places: &[Option<ImagePoint>], triangles: &[[u32; 3]], size: [u32; 2]) -> Vec<f64> {
     let mut buffer = vec![f64::INFINITY; size[0] as usize * size[1] as usize];
     for corners in triangles.iter().filter_map(|triangle| corners(places, triangle)) {
         let pixels = corners.map(|corner| corner.pixel);
@@ -147,7 +147,7 @@ pub(super) fn is_touched(corners: [DVec2; 3], pixel: DVec2) -> bool {
 
 /// Returns 1 if all pixels that a triangle touches show it, less if some may show something else; `None` if
 /// one does or is outside the image, or if none was measured.
-fn clearness(corners: &[Place; 3], photo: &Photo, mesh_depth: &[f64], tolerance: f64) -> Option<f32> {
+fn clearness(corners: &[ImagePoint; 3], photo: &Photo, mesh_depth: &[f64], tolerance: f64) -> Option<f32> {
     let image = photo.frame.image();
     let size = [image.width(), image.height()];
     let pixels = corners.map(|corner| corner.pixel);

@@ -65,8 +65,8 @@ fn random_points(n_triangles: usize) -> impl Iterator<Item = (usize, [f64; 3])> 
 #[test]
 fn lookups_are_those_of_the_photo() {
     let (mesh, photos) = painted_ball(&[1.0]);
-    let shape = Shape::new(&mesh.vertices, &mesh.triangles);
-    let sight = Sight::new(&photos[0], &shape, &Cancel::default()).unwrap();
+    let shape = ViewedMesh::new(&mesh.vertices, &mesh.triangles);
+    let sight = PhotoSight::new(&photos[0], &shape, &Cancel::default()).unwrap();
     let textured = textured(&mesh, &photos);
     let from_world = photos[0].frame.world_from_camera().inverse();
     let mut n_seen = 0;
@@ -95,7 +95,7 @@ fn the_depth_of_the_mesh_is_that_of_the_nearest_triangle_on_each_ray() {
     let vertices: Vec<DVec3> = (0..60).map(|_| corner()).collect();
     let triangles: Vec<[u32; 3]> = (0..20).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let intrinsics = *ball(Pose::IDENTITY, 0.1).intrinsics();
-    let place = |p: &DVec3| Some(sight::Place { pixel: intrinsics.project(*p).unwrap(), depth: p.z });
+    let place = |p: &DVec3| Some(sight::ImagePoint { pixel: intrinsics.project(*p).unwrap(), depth: p.z });
     let places: Vec<_> = vertices.iter().map(place).collect();
     let buffer = sight::depth_buffer(&places, &triangles, [160, 120]);
     let mut n_met = 0;
@@ -131,8 +131,8 @@ fn triangles_are_seen_that_nothing_hides() {
         mesh.vertices.len() as u32 - 1
     });
     mesh.triangles.push([plate[0], plate[2], plate[1]]);
-    let shape = Shape::new(&mesh.vertices, &mesh.triangles);
-    let sight = Sight::new(&photos[0], &shape, &Cancel::default()).unwrap();
+    let shape = ViewedMesh::new(&mesh.vertices, &mesh.triangles);
+    let sight = PhotoSight::new(&photos[0], &shape, &Cancel::default()).unwrap();
     let eye = camera.translation();
     let corners = |triangle: usize| mesh.triangles[triangle].map(|i| mesh.vertices[i as usize]);
     // The share of the way to the eye at which the ray from a point first meets another triangle.
@@ -187,9 +187,9 @@ fn a_plain_colour_comes_back_exactly() {
 #[test]
 fn colours_without_differences_of_exposure_stay_as_they_are() {
     let (mesh, photos) = painted_ball(&[1.0; 4]);
-    let shape = Shape::new(&mesh.vertices, &mesh.triangles);
-    let look = |photo: &Photo| Sight::new(photo, &shape, &Cancel::default()).unwrap();
-    let sights: Vec<Sight> = photos.iter().map(look).collect();
+    let shape = ViewedMesh::new(&mesh.vertices, &mesh.triangles);
+    let look = |photo: &Photo| PhotoSight::new(photo, &shape, &Cancel::default()).unwrap();
+    let sights: Vec<PhotoSight> = photos.iter().map(look).collect();
     let gains = exposure::gains(&photos, &sights, &shape, &Cancel::default()).unwrap();
     for gain in gains.iter().flatten() {
         assert!((gain - 1.0).abs() < 0.01, "{gains:?}");

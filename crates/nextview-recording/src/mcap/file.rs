@@ -15,7 +15,7 @@ const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
 /// Position of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct RecordPosition {
     /// Offset in the file of the record, or of the chunk that contains it.
     byte: u64,
     /// Offset among the chunk's records, if in a chunk.
@@ -35,7 +35,7 @@ pub(super) enum Record<'a> {
 }
 
 /// An open file, read from record to record.
-struct Records {
+struct RecordReader {
     file: BufReader<File>,
     /// Offset of the next record, and the size of the file.
     byte: u64,
@@ -59,9 +59,9 @@ mod opcode {
 /// if the data contradicts its checksum or the file's summary.
 pub(super) fn walk(
     path: &Path,
-    mut visit: impl FnMut(Place, Record<'_>) -> Result<(), RecordingError>,
+    mut visit: impl FnMut(RecordPosition, Record<'_>) -> Result<(), RecordingError>,
 ) -> Result<(), RecordingError> {
-    let mut records = Records::open(path)?;
+    let mut records = RecordReader::open(path)?;
     let (mut n_plain, mut n_messages) = (0, 0);
     let mut show = |place, opcode, content: &[u8]| {
         n_messages += u64::from(opcode == opcode::MESSAGE);
@@ -86,13 +86,13 @@ pub(super) fn walk(
                 while !cursor.rest().is_empty() {
                     let in_chunk = Some(cursor.at());
                     let (opcode, content) = next_in_chunk(&mut cursor).map_err(in_record)?;
-                    let place = Place { byte, in_chunk, n_bytes: plain.len(), crc: crc32fast::hash(content) };
+                    let place = RecordPosition { byte, in_chunk, n_bytes: plain.len(), crc: crc32fast::hash(content) };
                     show(place, opcode, content).map_err(in_record)?;
                 }
             }
             opcode => {
                 let crc = crc32fast::hash(&content);
-                let place = Place { byte, in_chunk: None, n_bytes: content.len(), crc };
+                let place = RecordPosition { byte, in_chunk: None, n_bytes: content.len(), crc };
                 show(place, opcode, &content).map_err(in_record)?;
             }
         }
@@ -111,7 +111,7 @@ fn check_sum(what: &str, stated: u32, of_bytes: Hasher) -> Result<(), RecordingE
 
 /// Reads everything after the data. A file without a whole summary is accepted, because its data may be
 /// whole.
-fn check_summary(records: &mut Records, n_messages: u64) -> Result<(), RecordingError> {
+fn check_summary(records: &mut RecordReader, n_messages: u64) -> Result<(), RecordingError> {
     let start = records.byte;
     records.crc = Hasher::new();
     let mut counted = None;
@@ -152,8 +152,8 @@ fn check_summary(records: &mut Records, n_messages: u64) -> Result<(), Recording
 }
 
 /// Reads the message that [`walk`] found at this place. Fails if it has changed.
-pub(super) fn message(path: &Path, place: Place) -> Result<Vec<u8>, RecordingError> {
-    let mut records = Records::open(path)?;
+pub(super) fn message(path: &Path, place: RecordPosition) -> Result<Vec<u8>, RecordingError> {
+    let mut records = RecordReader::open(path)?;
     records.byte = place.byte;
     records.file.seek(SeekFrom::Start(place.byte))?;
     let (opcode, content) = records.next()?;
@@ -207,7 +207,7 @@ fn short(cursor: &mut Cursor<'_>) -> Result<u16, RecordingError> {
     Ok(u16::from_le_bytes(cursor.array()?))
 }
 
-impl Records {
+impl RecordReader {
     fn open(path: &Path) -> Result<Self, RecordingError> {
         let file = limits::open(path)?;
         let size = file.metadata()?.len();

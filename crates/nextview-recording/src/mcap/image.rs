@@ -1,4 +1,4 @@
-use super::file::{self, Place};
+use super::file::{self, RecordPosition};
 use super::messages::{AnyImage, Packing};
 use crate::RecordingError;
 use nextview::sensor::{ColorImage, DepthImage, Intrinsics};
@@ -7,7 +7,7 @@ use std::path::Path;
 /// Position of an image in a file.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ImagePlace {
-    pub place: Place,
+    pub place: RecordPosition,
     pub packing: Packing,
 }
 

@@ -8,14 +8,14 @@ use nextview::geometry::Pose;
 use nextview::sensor::{ColorImage, DepthImage, Intrinsics};
 
 /// The header of a message.
-pub(super) struct Header<'a> {
+pub(super) struct MessageHeader<'a> {
     /// Time of the content in seconds.
     pub time: f64,
     /// The frame of the content, or of its source.
     pub frame: &'a str,
 }
 
-impl<'a> Header<'a> {
+impl<'a> MessageHeader<'a> {
     fn read(cdr: &mut Cdr<'a>) -> Result<Self, RecordingError> {
         let (seconds, nanoseconds) = (cdr.i32()?, cdr.u32()?);
         Ok(Self { time: seconds as f64 + 1e-9 * nanoseconds as f64, frame: cdr.text()? })
@@ -25,7 +25,7 @@ impl<'a> Header<'a> {
 /// Reads the optics of a camera from `sensor_msgs/msg/CameraInfo`.
 pub(super) fn camera_info(message: &[u8]) -> Result<Intrinsics, RecordingError> {
     let mut cdr = Cdr::new(message)?;
-    Header::read(&mut cdr)?;
+    MessageHeader::read(&mut cdr)?;
     let (height, width) = (cdr.u32()?, cdr.u32()?);
     let (distortion_model, d) = (cdr.text()?, cdr.f64_list()?);
     CameraInfo { width, height, distortion_model, d: &d, k: cdr.f64s()? }.intrinsics()
@@ -34,7 +34,7 @@ pub(super) fn camera_info(message: &[u8]) -> Result<Intrinsics, RecordingError> 
 /// Reads time and pose of the camera from `geometry_msgs/msg/PoseStamped`.
 pub(super) fn pose_stamped(message: &[u8]) -> Result<(f64, Pose), RecordingError> {
     let mut cdr = Cdr::new(message)?;
-    let time = Header::read(&mut cdr)?.time;
+    let time = MessageHeader::read(&mut cdr)?.time;
     let (position, rotation) = position_and_rotation(&mut cdr)?;
     Ok((time, rigid::from_quaternion(position, rotation).map_err(RecordingError::Content)?))
 }
@@ -42,7 +42,7 @@ pub(super) fn pose_stamped(message: &[u8]) -> Result<(f64, Pose), RecordingError
 /// A transform of `tf2_msgs/msg/TFMessage`, unchanged.
 pub(super) struct Transform<'a> {
     /// The header's frame is the parent.
-    pub header: Header<'a>,
+    pub header: MessageHeader<'a>,
     pub child: &'a str,
     /// Takes points from child to parent; or the reason why it is invalid.
     pub parent_from_child: Result<Pose, nextview::Error>,
@@ -52,7 +52,7 @@ pub(super) fn transforms(message: &[u8]) -> Result<Vec<Transform<'_>>, Recording
     let mut cdr = Cdr::new(message)?;
     let length = cdr.u32()?;
     let mut transform = || {
-        let (header, child) = (Header::read(&mut cdr)?, cdr.text()?);
+        let (header, child) = (MessageHeader::read(&mut cdr)?, cdr.text()?);
         let (position, rotation) = position_and_rotation(&mut cdr)?;
         Ok(Transform { header, child, parent_from_child: Pose::new(rotation, position) })
     };
@@ -80,9 +80,9 @@ pub(super) enum AnyImage<'a> {
 }
 
 impl<'a> AnyImage<'a> {
-    pub fn read(message: &'a [u8], packing: Packing) -> Result<(Header<'a>, Self), RecordingError> {
+    pub fn read(message: &'a [u8], packing: Packing) -> Result<(MessageHeader<'a>, Self), RecordingError> {
         let mut cdr = Cdr::new(message)?;
-        let header = Header::read(&mut cdr)?;
+        let header = MessageHeader::read(&mut cdr)?;
         let image = match packing {
             Packing::Plain => Self::Plain(Image {
                 height: cdr.u32()?,

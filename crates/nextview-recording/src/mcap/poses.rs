@@ -2,18 +2,18 @@
 
 use super::messages::Transform;
 use crate::ros::TransformTree;
-use crate::trajectory::Trajectory;
+use crate::trajectory::CameraTrajectory;
 use crate::{RecordingError, rigid};
 use nextview::geometry::Pose;
 use std::collections::BTreeMap;
 
 /// The source of the camera's poses.
-pub(super) enum Poses {
-    Topic(Trajectory),
+pub(super) enum PoseSource {
+    Topic(CameraTrajectory),
     Transforms { tree: TransformTree, world: String, camera: String },
 }
 
-impl Poses {
+impl PoseSource {
     /// Uses transforms: the camera's frame in the world's, by default the root of its tree.
     pub fn of_transforms(
         tree: TransformTree,

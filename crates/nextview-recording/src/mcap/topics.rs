@@ -1,10 +1,10 @@
-use super::file::{self, Place, Record};
+use super::file::{self, RecordPosition, Record};
 use super::image::ImagePlace;
 use super::messages::{self, AnyImage, Packing};
-use super::poses::{Poses, Transforms};
+use super::poses::{PoseSource, Transforms};
 use crate::frame::{ColorSource, DepthSource};
 use crate::recording::{ReadOptions, Recording, Skipped};
-use crate::trajectory::{Stamped, Trajectory, nearest};
+use crate::trajectory::{Stamped, CameraTrajectory, nearest};
 use crate::{RecordedFrame, RecordingError, limits};
 use nextview::geometry::Pose;
 use nextview::sensor::Intrinsics;
@@ -15,9 +15,9 @@ use std::path::Path;
 #[derive(Default)]
 struct Topics {
     cameras: BTreeMap<String, Intrinsics>,
-    depths: BTreeMap<String, Images>,
+    depths: BTreeMap<String, TopicImages>,
     /// Images without depth.
-    others: BTreeMap<String, Images>,
+    others: BTreeMap<String, TopicImages>,
     poses: BTreeMap<String, Vec<Stamped<Pose>>>,
     transforms: Transforms,
     /// Number of images and poses.
@@ -25,7 +25,7 @@ struct Topics {
 }
 
 /// The images of a topic.
-struct Images {
+struct TopicImages {
     /// The frame that took them.
     frame: String,
     places: Vec<Stamped<ImagePlace>>,
@@ -35,7 +35,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Reco
     let Topics { cameras, mut depths, mut others, poses, transforms, .. } = Topics::read(path)?;
     let depth_topic = chosen("depth image", &depths, "depth_topic", options.depth_topic.as_deref())?;
     let intrinsics = cameras[&camera_topic(&cameras, &depth_topic)?];
-    let Images { frame, places } = depths.remove(&depth_topic).expect("it was chosen from these");
+    let TopicImages { frame, places } = depths.remove(&depth_topic).expect("it was chosen from these");
     let notes = transforms.notes();
     let poses = poses_of(poses, transforms, &frame, options)?;
     let colors = match &options.color_topic {
@@ -73,11 +73,11 @@ fn poses_of(
     transforms: Transforms,
     camera: &str,
     options: &ReadOptions,
-) -> Result<Poses, RecordingError> {
+) -> Result<PoseSource, RecordingError> {
     let world = options.world_frame.as_deref();
     let wants_transforms = world.is_some() || (topics.is_empty() && options.pose_topic.is_none());
     if wants_transforms && transforms.n_transforms > 0 {
-        return Poses::of_transforms(transforms.tree, camera, world);
+        return PoseSource::of_transforms(transforms.tree, camera, world);
     }
     if let Some(world) = world {
         let problem = format!("there are no transforms, expected /tf and /tf_static with the frame {world}");
@@ -85,7 +85,7 @@ fn poses_of(
     }
     let topic = chosen("PoseStamped", &topics, "pose_topic", options.pose_topic.as_deref())?;
     let poses = Stamped::sorted(topics.remove(&topic).unwrap_or_default())?;
-    Ok(Poses::Topic(Trajectory::new(poses, options.pose_tolerance_s)))
+    Ok(PoseSource::Topic(CameraTrajectory::new(poses, options.pose_tolerance_s)))
 }
 
 impl Topics {
@@ -125,7 +125,7 @@ impl Topics {
         schema: &str,
         topic: &str,
         name: &str,
-        place: Place,
+        place: RecordPosition,
         data: &[u8],
     ) -> Result<(), RecordingError> {
         match schema {
@@ -163,13 +163,13 @@ impl Topics {
         topic: &str,
         name: &str,
         data: &[u8],
-        place: Place,
+        place: RecordPosition,
         packing: Packing,
     ) -> Result<(), RecordingError> {
         let (header, image) = AnyImage::read(data, packing)?;
         let is_depth = image.is_depth();
         let topics = if is_depth { &mut self.depths } else { &mut self.others };
-        let new = || Images { frame: header.frame.to_owned(), places: Vec::new() };
+        let new = || TopicImages { frame: header.frame.to_owned(), places: Vec::new() };
         let images = topics.entry(topic.to_owned()).or_insert_with(new);
         if is_depth && images.frame != header.frame {
             let problem = format!("the frame is '{}', expected '{}' as before", header.frame, images.frame);

@@ -2,7 +2,7 @@
 
 use super::data_file::DataFile;
 use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
-use crate::plot::{Axis, Curve, Marker, Plot};
+use crate::plot::{Axis, Curve, CurveMarker, Plot};
 use crate::text::fixed;
 use nextview_campaign::statistics::{Study, StudyVariant, mean, percentile};
 
@@ -15,7 +15,7 @@ pub(crate) fn section(study: &Study) -> Option<Section> {
         let classes = classes(&estimates(variant));
         (!classes.is_empty()).then(|| (variant.name.clone(), classes))
     };
-    let variants: Vec<(String, Vec<Class>)> = study.variants.iter().filter_map(of_variant).collect();
+    let variants: Vec<(String, Vec<EstimateClass>)> = study.variants.iter().filter_map(of_variant).collect();
     if variants.is_empty() {
         return None;
     }
@@ -87,7 +87,7 @@ fn estimates(variant: &StudyVariant) -> Vec<(f64, f64)> {
 }
 
 /// Estimates of similar value, and the true coverage at each.
-struct Class {
+struct EstimateClass {
     low: f64,
     high: f64,
     estimate: f64,
@@ -95,37 +95,37 @@ struct Class {
 }
 
 /// The non-empty classes.
-fn classes(estimates: &[(f64, f64)]) -> Vec<Class> {
+fn classes(estimates: &[(f64, f64)]) -> Vec<EstimateClass> {
     let lows = std::iter::once(0.0).chain(BOUNDS);
     let highs = BOUNDS.into_iter().chain([1.0]);
     let class = |(low, high): (f64, f64)| {
         let within = |estimate: f64| estimate >= low && (estimate < high || high == 1.0);
         let (estimates, truths): (Vec<f64>, Vec<f64>) =
             estimates.iter().filter(|(estimate, _)| within(*estimate)).copied().unzip();
-        Some(Class { low, high, estimate: mean(&estimates)?, truths })
+        Some(EstimateClass { low, high, estimate: mean(&estimates)?, truths })
     };
     lows.zip(highs).filter_map(class).collect()
 }
 
-impl Class {
+impl EstimateClass {
     fn truth(&self) -> [f64; 3] {
         let [low, high] = [0.1, 0.9].map(|share| percentile(&self.truths, share).unwrap_or_default());
         [low, mean(&self.truths).unwrap_or_default(), high]
     }
 }
 
-fn plot(classes: &[Class]) -> Plot {
-    let at = |class: &Class| (100.0 * class.estimate).round() as usize;
+fn plot(classes: &[EstimateClass]) -> Plot {
+    let at = |class: &EstimateClass| (100.0 * class.estimate).round() as usize;
     let truth = Curve {
         class: "v0".to_owned(),
         label: String::new(),
-        marker: Marker::Circle,
+        marker: CurveMarker::Circle,
         points: classes.iter().map(|class| (at(class), class.truth()[1])).collect(),
         band: classes.iter().map(|class| (at(class), class.truth()[0], class.truth()[2])).collect(),
     };
     let equal = Curve {
         class: "other".to_owned(),
-        marker: Marker::None,
+        marker: CurveMarker::None,
         points: vec![(0, 0.0), (100, 1.0)],
         band: Vec::new(),
         ..truth.clone()
@@ -139,9 +139,9 @@ fn plot(classes: &[Class]) -> Plot {
     }
 }
 
-fn data(variants: &[(String, Vec<Class>)]) -> Table {
+fn data(variants: &[(String, Vec<EstimateClass>)]) -> Table {
     let percent = |share: f64| fixed(100.0 * share, 1);
-    let row = |name: &str, class: &Class| {
+    let row = |name: &str, class: &EstimateClass| {
         let [low, truth, high] = class.truth().map(percent);
         let [from, to] = [class.low, class.high].map(|bound| format!("{:.0}", 100.0 * bound));
         let (n, estimate) = (class.truths.len().to_string(), percent(class.estimate));

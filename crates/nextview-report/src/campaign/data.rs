@@ -77,12 +77,12 @@ fn head(keys: &[&str], columns: &[&str]) -> String {
     line(keys.iter().chain(columns).copied())
 }
 
-type Row = (Vec<String>, BTreeMap<&'static str, String>);
+type DataRow = (Vec<String>, BTreeMap<&'static str, String>);
 
 /// The rows of a file. Cells of several tables share a row; rows that share their first key are adjacent.
-fn rows(document: &Document, file: DataFile) -> Vec<Row> {
+fn rows(document: &Document, file: DataFile) -> Vec<DataRow> {
     let mut places = BTreeMap::new();
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows: Vec<DataRow> = Vec::new();
     for cell in cells(document).filter(|cell| !cell.values.is_empty()) {
         let Some((_, key)) = cell.row.as_ref().filter(|(of, _)| *of == file) else { continue };
         let place = *places.entry(key).or_insert(rows.len());

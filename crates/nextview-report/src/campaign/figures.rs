@@ -2,8 +2,8 @@
 
 use super::data_file::DataFile;
 use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
-use super::line::{Line, N_STYLES, baselines, shortened};
-use crate::plot::{self, Axis, Marker, Plot, view_ticks};
+use super::line::{CurveLine, N_STYLES, baselines, shortened};
+use crate::plot::{self, Axis, CurveMarker, Plot, view_ticks};
 use crate::text::fixed;
 use nextview_campaign::statistics::{Curve, Study};
 
@@ -38,8 +38,8 @@ pub(crate) fn section(study: &Study) -> Section {
 
 fn figure(study: &Study, of: Curve, title: &str, text: &str) -> Option<Block> {
     let variants = study.variants.iter().enumerate();
-    let lines: Vec<Line> = variants.map(|(i, variant)| Line::of_variant(i, variant, of)).collect();
-    let lines: Vec<Line> = lines.into_iter().filter(|line| !line.means.is_empty()).collect();
+    let lines: Vec<CurveLine> = variants.map(|(i, variant)| CurveLine::of_variant(i, variant, of)).collect();
+    let lines: Vec<CurveLine> = lines.into_iter().filter(|line| !line.means.is_empty()).collect();
     if lines.is_empty() {
         return None;
     }
@@ -61,7 +61,7 @@ fn figure(study: &Study, of: Curve, title: &str, text: &str) -> Option<Block> {
     let panels = lines.iter().enumerate().filter(|_| n > MAX_BANDS).map(|(i, line)| {
         let others = lines.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other.ghost());
         let baselines = baselines.iter().map(|line| line.curve(false, ""));
-        let highlighted = Line { class: "v0".to_owned(), marker: Marker::Circle, ..line.clone() };
+        let highlighted = CurveLine { class: "v0".to_owned(), marker: CurveMarker::Circle, ..line.clone() };
         let curves = std::iter::once(highlighted.curve(true, "")).chain(baselines).chain(others).collect();
         (line.title(), axes(curves, [240.0, 8.0, 170.0]))
     });
@@ -73,7 +73,7 @@ fn figure(study: &Study, of: Curve, title: &str, text: &str) -> Option<Block> {
     }))
 }
 
-fn caption(n: usize, baselines: &[Line], of: Curve) -> String {
+fn caption(n: usize, baselines: &[CurveLine], of: Curve) -> String {
     let mut text = "Mean over objects; bands are its 95 % interval.".to_owned();
     if n > MAX_BANDS {
         text += " Each small drawing shows one variant; thin lines are the others.";
@@ -89,7 +89,7 @@ fn caption(n: usize, baselines: &[Line], of: Curve) -> String {
 }
 
 /// The range of all values, widened to whole tens of percent.
-fn range<'a>(lines: impl Iterator<Item = &'a Line>) -> [f64; 2] {
+fn range<'a>(lines: impl Iterator<Item = &'a CurveLine>) -> [f64; 2] {
     let values: Vec<f64> = lines.flat_map(|line| line.means.iter().copied()).collect();
     let low = values.iter().copied().fold(1.0, f64::min).max(0.0);
     let high = values.iter().copied().fold(0.0, f64::max).min(1.0);
@@ -98,19 +98,19 @@ fn range<'a>(lines: impl Iterator<Item = &'a Line>) -> [f64; 2] {
 }
 
 /// Room for the longest label with its number, at about 7.5 units per letter.
-fn label_room(lines: &[Line]) -> f64 {
+fn label_room(lines: &[CurveLine]) -> f64 {
     let longest = lines.iter().map(|line| shortened(&line.name).chars().count()).max().unwrap_or(0);
     7.5 * (longest.max("clairvoyant (baseline)".len()) + 5) as f64
 }
 
 /// The means with their intervals at round numbers of views.
-fn data<'a>(lines: impl Iterator<Item = &'a Line>, of: Curve) -> Table {
+fn data<'a>(lines: impl Iterator<Item = &'a CurveLine>, of: Curve) -> Table {
     let [mean_column, low_column, high_column] = columns(of);
-    let lines: Vec<&Line> = lines.collect();
+    let lines: Vec<&CurveLine> = lines.collect();
     let n_views = lines.iter().map(|line| line.means.len()).max().unwrap_or(0);
     let mut ticks = view_ticks(n_views);
     ticks.extend((ticks.last() != Some(&n_views)).then_some(n_views));
-    let row = |line: &&Line| {
+    let row = |line: &&CurveLine| {
         let value = |view: &usize| {
             let i = view - 1;
             let note = line.intervals.get(i).copied().flatten();

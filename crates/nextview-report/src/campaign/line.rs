@@ -1,6 +1,6 @@
 //! A curve of a figure with its numbers.
 
-use crate::plot::{self, Marker};
+use crate::plot::{self, CurveMarker};
 use crate::text::fixed;
 use nextview_campaign::statistics::{Curve, Interval, MeasuredRun, Sample, Study, StudyVariant};
 use rayon::prelude::*;
@@ -8,27 +8,27 @@ use rayon::prelude::*;
 /// The number of styles of curves.
 pub(crate) const N_STYLES: usize = 6;
 
-const MARKERS: [Marker; N_STYLES] =
-    [Marker::Circle, Marker::Diamond, Marker::Circle, Marker::TriangleDown, Marker::Diamond, Marker::Cross];
+const MARKERS: [CurveMarker; N_STYLES] =
+    [CurveMarker::Circle, CurveMarker::Diamond, CurveMarker::Circle, CurveMarker::TriangleDown, CurveMarker::Diamond, CurveMarker::Cross];
 
 /// A curve with its numbers.
 #[derive(Clone)]
-pub(crate) struct Line {
+pub(crate) struct CurveLine {
     pub name: String,
     pub class: String,
-    pub marker: Marker,
+    pub marker: CurveMarker,
     pub means: Vec<f64>,
     pub intervals: Vec<Option<Interval>>,
 }
 
-impl Line {
+impl CurveLine {
     /// The line of a variant, with the style with this index.
     pub fn of_variant(i: usize, variant: &StudyVariant, of: Curve) -> Self {
         let style = i % N_STYLES;
         Self::new(&variant.name, &format!("v{style}"), MARKERS[style], &variant.curve(of))
     }
 
-    fn new(name: &str, class: &str, marker: Marker, samples: &[Sample]) -> Self {
+    fn new(name: &str, class: &str, marker: CurveMarker, samples: &[Sample]) -> Self {
         Self {
             name: name.to_owned(),
             class: class.to_owned(),
@@ -58,12 +58,12 @@ impl Line {
 
     /// A thin curve behind others.
     pub fn ghost(&self) -> plot::Curve {
-        plot::Curve { class: "other".to_owned(), marker: Marker::None, ..self.curve(false, "") }
+        plot::Curve { class: "other".to_owned(), marker: CurveMarker::None, ..self.curve(false, "") }
     }
 }
 
 /// Random views and the clairvoyant planner on the objects of the campaign; empty for the entropy.
-pub(crate) fn baselines(study: &Study, of: Curve) -> Vec<Line> {
+pub(crate) fn baselines(study: &Study, of: Curve) -> Vec<CurveLine> {
     let share = move |run: &MeasuredRun| match of {
         Curve::VoxelCoverage => Some(run.reachable_voxels? as f64 / run.object_voxels?.max(1) as f64),
         Curve::ReachableCoverage => Some(1.0),
@@ -79,8 +79,8 @@ pub(crate) fn baselines(study: &Study, of: Curve) -> Vec<Line> {
     let clairvoyant = variant.curve_by(|run| scaled(&run.clairvoyant_curve, share(run)?));
     let random = variant.curve_by(|run| scaled(&run.random_curve, share(run)?));
     let lines = [
-        Line::new("clairvoyant (baseline)", "clairvoyant", Marker::Triangle, &clairvoyant),
-        Line::new("random (baseline)", "random", Marker::Square, &random),
+        CurveLine::new("clairvoyant (baseline)", "clairvoyant", CurveMarker::Triangle, &clairvoyant),
+        CurveLine::new("random (baseline)", "random", CurveMarker::Square, &random),
     ];
     lines.into_iter().filter(|line| !line.means.is_empty()).collect()
 }

@@ -22,7 +22,7 @@ pub(crate) struct Setup {
     builds: BTreeSet<String>,
     /// Rows of the first failed runs.
     failures: Vec<Row>,
-    parameters: Parameters,
+    parameters: ParameterValues,
 }
 
 impl Setup {
@@ -130,7 +130,7 @@ fn listed<'a, T: ToString + 'a>(
     listed.join(", ")
 }
 
-fn variants(study: &Study, parameters: &Parameters) -> Table {
+fn variants(study: &Study, parameters: &ParameterValues) -> Table {
     let row = |variant: &StudyVariant| {
         let own = listing(parameters.own(&variant.name, study.variants.len()), ", ");
         Row::new(vec![variant.name.as_str().into(), variant.planner.to_string().into(), own.into()])
@@ -151,12 +151,12 @@ fn failure(run: &RunRecord, reason: &str) -> Row {
 
 /// The values of all parameters in all runs, sorted by the parameter's name.
 #[derive(Default)]
-struct Parameters {
+struct ParameterValues {
     /// Values by variant: one, or two if there are more.
     values: BTreeMap<String, BTreeMap<String, BTreeSet<String>>>,
 }
 
-impl Parameters {
+impl ParameterValues {
     fn add(&mut self, run: &RunRecord) {
         for (key, value) in flat(run) {
             let by_variant = self.values.entry(key).or_default();

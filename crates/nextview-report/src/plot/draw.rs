@@ -1,7 +1,7 @@
 //! The drawing as SVG.
 
-use super::layout::{Axis, Curve, LEFT, Plot, TOP};
-use super::marker::Marker;
+use super::layout::{HorizontalAxis, PlotCurve, LEFT, Plot, TOP};
+use super::marker::CurveMarker;
 use super::ticks::view_ticks;
 use crate::text::{escape, percent};
 
@@ -26,18 +26,18 @@ impl Plot {
     }
 
     fn description(&self) -> String {
-        let part = |c: &Curve| {
+        let part = |c: &PlotCurve| {
             let (x, value) = c.points.last().filter(|_| !c.label.is_empty())?;
             let place = match self.x_axis {
-                Axis::Views => format!("after {x} views"),
-                Axis::Percent(name) => format!("at {x} % {name}"),
+                HorizontalAxis::Views => format!("after {x} views"),
+                HorizontalAxis::Percent(name) => format!("at {x} % {name}"),
             };
             Some(format!("{} reaches {} {place}", c.label, percent(*value)))
         };
         let parts: Vec<String> = self.curves.iter().filter_map(part).collect();
         let over = match self.x_axis {
-            Axis::Views => "the number of views",
-            Axis::Percent(name) => name,
+            HorizontalAxis::Views => "the number of views",
+            HorizontalAxis::Percent(name) => name,
         };
         match parts.as_slice() {
             [] => format!("{} over {over}", self.y_label),
@@ -56,8 +56,8 @@ impl Plot {
             svg += &format!(r#"<text class="end" x="{}" y="{:.1}">{tick}</text>"#, LEFT - 7.0, y + 4.5);
         }
         let (ticks, name) = match self.x_axis {
-            Axis::Views => (view_ticks(self.x_range()[1]), "views".to_owned()),
-            Axis::Percent(name) => ((0..=100).step_by(20).collect(), format!("{name}, %")),
+            HorizontalAxis::Views => (view_ticks(self.x_range()[1]), "views".to_owned()),
+            HorizontalAxis::Percent(name) => ((0..=100).step_by(20).collect(), format!("{name}, %")),
         };
         for tick in ticks {
             let x = self.x(tick);
@@ -74,18 +74,18 @@ impl Plot {
         )
     }
 
-    fn curve(&self, curve: &Curve) -> String {
+    fn curve(&self, curve: &PlotCurve) -> String {
         let at = |&(x, value): &(usize, f64)| (self.x(x), self.y(value));
         let line = polyline(curve.points.iter().map(at));
         let mut svg = format!(r#"<g class="{}"><path class="line" d="{line}"/>"#, curve.class);
         // More than about thirty markers would overlap; the last point always has one.
         let marked = curve.points.iter().rev().step_by(curve.points.len().div_ceil(30).max(1));
-        for point in marked.filter(|_| curve.marker != Marker::None) {
+        for point in marked.filter(|_| curve.marker != CurveMarker::None) {
             let (x, y) = at(point);
             let value = percent(point.1);
             let place = match self.x_axis {
-                Axis::Views => format!("view {}", point.0),
-                Axis::Percent(_) => format!("{} %", point.0),
+                HorizontalAxis::Views => format!("view {}", point.0),
+                HorizontalAxis::Percent(_) => format!("{} %", point.0),
             };
             svg += &format!("<g><title>{}, {place}: {value}</title>", escape(&curve.label));
             svg += &format!("{}</g>", curve.marker.draw(x, y));
@@ -93,7 +93,7 @@ impl Plot {
         svg + "</g>"
     }
 
-    fn band(&self, curve: &Curve) -> String {
+    fn band(&self, curve: &PlotCurve) -> String {
         if curve.band.is_empty() {
             return String::new();
         }

@@ -1,6 +1,6 @@
 //! The names of curves next to their ends.
 
-use super::layout::{Curve, Plot};
+use super::layout::{PlotCurve, Plot};
 use crate::text::{escape, fixed};
 
 /// Smallest vertical distance between two labels.
@@ -10,7 +10,7 @@ impl Plot {
     /// The name and last value of each curve, to the right of the plot, spread out to avoid overlap.
     pub(super) fn labels(&self) -> String {
         let named = self.curves.iter().filter(|curve| !curve.label.is_empty());
-        let mut ends: Vec<(&Curve, usize, f64)> =
+        let mut ends: Vec<(&PlotCurve, usize, f64)> =
             named.filter_map(|c| c.points.last().map(|&(view, value)| (c, view, value))).collect();
         ends.sort_by(|a, b| b.2.total_cmp(&a.2));
         let mut heights: Vec<f64> = ends.iter().map(|end| self.y(end.2)).collect();

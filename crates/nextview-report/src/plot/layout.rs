@@ -1,6 +1,6 @@
 //! Curves in one pair of axes, and their layout in the drawing.
 
-use super::marker::Marker;
+use super::marker::CurveMarker;
 
 /// Left edge of the plot.
 pub(super) const LEFT: f64 = 52.0;
@@ -11,7 +11,7 @@ pub(super) const TOP: f64 = 12.0;
 /// Curves in one pair of axes. All values are shares.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Plot {
-    pub x_axis: Axis,
+    pub x_axis: HorizontalAxis,
     /// Name of the vertical axis.
     pub y_label: String,
     /// Lowest and highest value on the axis; tens of percent.
@@ -19,12 +19,12 @@ pub(crate) struct Plot {
     /// Width of the plot and of the label area to its right, and height of the plot.
     pub size: [f64; 3],
     /// Curves, the first of which is drawn last, on top.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<PlotCurve>,
 }
 
 /// The horizontal axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Axis {
+pub(crate) enum HorizontalAxis {
     /// Numbers of views, from 1.
     Views,
     /// Whole percent, 0 to 100, of the quantity with this name.
@@ -33,12 +33,12 @@ pub(crate) enum Axis {
 
 /// One curve.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Curve {
+pub(crate) struct PlotCurve {
     /// CSS class.
     pub class: String,
     /// Name, also shown to the right of the end; not shown if empty.
     pub label: String,
-    pub marker: Marker,
+    pub marker: CurveMarker,
     /// Place on the axis and value.
     pub points: Vec<(usize, f64)>,
     /// Place on the axis, lower and upper value of the band around the curve; may be empty.
@@ -50,8 +50,8 @@ impl Plot {
     pub fn x_range(&self) -> [usize; 2] {
         let last = || self.curves.iter().flat_map(|c| &c.points).map(|p| p.0).max();
         match self.x_axis {
-            Axis::Views => [1, last().unwrap_or(1).max(2)],
-            Axis::Percent(_) => [0, 100],
+            HorizontalAxis::Views => [1, last().unwrap_or(1).max(2)],
+            HorizontalAxis::Percent(_) => [0, 100],
         }
     }
 

@@ -4,7 +4,7 @@ use crate::text::escape;
 
 /// The shape at the points of a curve. The style sheet decides whether it is filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Marker {
+pub(crate) enum CurveMarker {
     None,
     Circle,
     Square,
@@ -14,7 +14,7 @@ pub(crate) enum Marker {
     Cross,
 }
 
-impl Marker {
+impl CurveMarker {
     /// Draws the shape around a point.
     pub fn draw(self, x: f64, y: f64) -> String {
         let path = |d: &str, x: f64, y: f64| format!(r#"<path class="mark" d="M{x:.1} {y:.1}{d}"/>"#);
@@ -31,7 +31,7 @@ impl Marker {
 }
 
 /// A legend item: a piece of a curve of this class, with a band or with a line and its marker.
-pub(crate) fn legend_item(class: &str, marker: Option<Marker>, text: &str) -> String {
+pub(crate) fn legend_item(class: &str, marker: Option<CurveMarker>, text: &str) -> String {
     let drawing = match marker {
         Some(marker) => format!(r#"<path class="line" d="M1 6H37"/>{}"#, marker.draw(19.0, 6.0)),
         None => r#"<path class="band" d="M1 1H37V11H1Z"/>"#.to_owned(),

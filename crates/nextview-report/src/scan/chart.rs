@@ -1,8 +1,8 @@
 //! The coverage curve of a scan against the baselines.
 
-use super::coverage::{self, Coverage};
+use super::coverage::{self, CoverageCurve};
 use super::input::ScanPage;
-use crate::plot::{Axis, Curve, Marker, Plot, legend_item};
+use crate::plot::{Axis, Curve, CurveMarker, Plot, legend_item};
 use nextview_scan::ScanRecord;
 
 /// The chart with its legend; a sentence if no coverage is known.
@@ -24,7 +24,7 @@ pub(super) fn draw(page: &ScanPage<'_>) -> String {
 }
 
 /// The curve of this scan, the planner's estimate, and the baselines, if they have points.
-fn curves(page: &ScanPage<'_>, coverage: Option<&Coverage>) -> Vec<Curve> {
+fn curves(page: &ScanPage<'_>, coverage: Option<&CoverageCurve>) -> Vec<Curve> {
     let record = page.record;
     let curve = |class: &str, label: &str, marker, coverage: Vec<Option<f64>>| Curve {
         class: class.to_owned(),
@@ -36,15 +36,15 @@ fn curves(page: &ScanPage<'_>, coverage: Option<&Coverage>) -> Vec<Curve> {
     let all_known = |coverage: &[f64]| coverage.iter().copied().map(Some).collect();
     let mut curves = Vec::new();
     if let Some(coverage) = coverage {
-        curves.push(curve("scan", "this scan", Marker::Circle, coverage.values.clone()));
+        curves.push(curve("scan", "this scan", CurveMarker::Circle, coverage.values.clone()));
     }
-    curves.push(curve("estimated", "estimated", Marker::None, coverage::estimated(page)));
+    curves.push(curve("estimated", "estimated", CurveMarker::None, coverage::estimated(page)));
     if coverage.is_some_and(|coverage| coverage.is_reachable) {
         if let Some(coverage) = &record.clairvoyant_curve {
-            curves.push(curve("clairvoyant", "clairvoyant", Marker::Triangle, all_known(coverage)));
+            curves.push(curve("clairvoyant", "clairvoyant", CurveMarker::Triangle, all_known(coverage)));
         }
         if let Some(mean) = &record.random_curve {
-            let mean = curve("random", "random", Marker::Square, all_known(mean));
+            let mean = curve("random", "random", CurveMarker::Square, all_known(mean));
             curves.push(Curve { band: band(record), ..mean });
         }
     }

@@ -5,7 +5,7 @@ use nextview::planner::Outlook;
 use nextview_scan::StepRecord;
 
 /// A share of the surface after each view.
-pub(super) struct Coverage {
+pub(super) struct CoverageCurve {
     /// Heading that names the whole of which it is a share.
     pub name: &'static str,
     /// By step.
@@ -25,10 +25,10 @@ const MEASURES: [Measure; 3] = [
 ];
 
 /// The best known measure; `None` if the truth is not known.
-pub(super) fn known(page: &ScanPage<'_>) -> Option<Coverage> {
+pub(super) fn known(page: &ScanPage<'_>) -> Option<CoverageCurve> {
     let of = |(i, (name, measure)): (usize, &Measure)| {
         let values: Vec<Option<f64>> = page.steps().iter().map(measure).collect();
-        values.iter().any(Option::is_some).then_some(Coverage { name, values, is_reachable: i == 0 })
+        values.iter().any(Option::is_some).then_some(CoverageCurve { name, values, is_reachable: i == 0 })
     };
     MEASURES.iter().enumerate().find_map(of)
 }

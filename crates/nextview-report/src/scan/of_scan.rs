@@ -4,7 +4,7 @@ use super::page::scan_page;
 use super::picture::ViewPicture;
 use super::scan_copy::ScanCopy;
 use super::shown::{FusedFrames, ShownModel};
-use nextview_scan::{FinishedScan, ScanConfig, ScanRecord};
+use nextview_scan::{ScanState, ScanConfig, ScanRecord};
 
 /// Maximum number of vertices of the surface on a page. A vertex costs 26 bytes, so they take 1 MB.
 const MAX_VERTICES: usize = 40_000;
@@ -12,7 +12,7 @@ const MAX_VERTICES: usize = 40_000;
 /// Returns the [page](scan_page) of a scan and its record, with the command that repeats it and its resolved
 /// configuration as text.
 pub fn page_of_scan(
-    scan: &FinishedScan<'_>,
+    scan: &ScanState<'_>,
     record: &ScanRecord,
     config: &ScanConfig,
     command: &str,

@@ -3,7 +3,7 @@ use super::scan_copy::ScanCopy;
 use glam::{DVec3, Vec3};
 use nextview::motion::Trajectory;
 use nextview::sensor::{ColorImage, DepthImage, Frame};
-use nextview_scan::FinishedScan;
+use nextview_scan::ScanState;
 use std::collections::BTreeMap;
 
 /// A picture of a view of a scan.
@@ -24,7 +24,7 @@ pub struct ViewPicture {
 impl ViewPicture {
     /// Returns the pictures of all views of a scan. Points are distinguished by the cells of its final model;
     /// those outside its box are left out. Without a box there are none.
-    pub fn of_scan(scan: &FinishedScan<'_>) -> Vec<Self> {
+    pub fn of_scan(scan: &ScanState<'_>) -> Vec<Self> {
         let copy = ScanCopy::of(scan);
         let mut points = NewPoints::default();
         points.update(&copy);

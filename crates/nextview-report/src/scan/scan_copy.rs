@@ -4,7 +4,7 @@ use nextview::motion::Trajectory;
 use nextview::object::TableTops;
 use nextview::sensor::{ColorImage, DepthRange, Frame};
 use nextview::view::ViewSpace;
-use nextview_scan::{FinishedScan, ModelFrames};
+use nextview_scan::{ScanState, ModelFrames};
 
 /// A copy of everything that a page shows of a scan: the scan continues while the page is made. Images are
 /// shared.
@@ -37,7 +37,7 @@ pub(crate) struct ScanCopy {
 }
 
 impl ScanCopy {
-    pub fn of(scan: &FinishedScan<'_>) -> Self {
+    pub fn of(scan: &ScanState<'_>) -> Self {
         let session = &scan.session;
         // If cancelled, a page without the earlier scan is better than none.
         let of_map = ModelFrames { frames: session.frames().into(), n_earlier: 0 };

@@ -1,6 +1,6 @@
 use super::scan_copy::ScanCopy;
 use nextview::session::NextView;
-use nextview_scan::{FinishedScan, Measured, ScanConfig, ScanRecord, short_name};
+use nextview_scan::{ScanState, Measured, ScanConfig, ScanRecord, short_name};
 
 /// The source of a [scene](crate::live::LiveScene): a copy of a scan's current state, so that no frame waits
 /// while the scene is made.
@@ -13,7 +13,7 @@ pub struct SceneSource {
 
 impl SceneSource {
     /// Copies a scan and the next view, if there is one. Takes milliseconds.
-    pub fn of_scan(scan: &FinishedScan<'_>, config: &ScanConfig, next: Option<NextView>) -> Self {
+    pub fn of_scan(scan: &ScanState<'_>, config: &ScanConfig, next: Option<NextView>) -> Self {
         let record = scan.record(config, Measured::Nothing).unwrap_or_else(|_| ScanRecord {
             object: short_name(&config.object),
             stop_reason: scan.stop_reason,

@@ -46,14 +46,14 @@ pub fn summary_text(record: &ScanRecord, config: &ScanConfig) -> String {
     summary(record, config).iter().map(|(label, value)| format!("{label:<22} {value}\n")).collect()
 }
 
-type Row = (&'static str, String);
+type SummaryRow = (&'static str, String);
 
 fn percent(share: f64) -> String {
     format!("{} %", fixed(100.0 * share, 1))
 }
 
 /// Coverage against random views and the clairvoyant planner with the same number of views.
-fn coverage(record: &ScanRecord) -> Vec<Row> {
+fn coverage(record: &ScanRecord) -> Vec<SummaryRow> {
     let (Some(last), Some(random), Some(clairvoyant)) =
         (record.steps.last(), &record.random_curve, &record.clairvoyant_curve)
     else {
@@ -69,7 +69,7 @@ fn coverage(record: &ScanRecord) -> Vec<Row> {
 }
 
 /// The known measures against the true object after a step.
-fn truth(step: &StepRecord) -> Vec<Row> {
+fn truth(step: &StepRecord) -> Vec<SummaryRow> {
     let rows = [
         ("voxel coverage", step.voxel_coverage.map(percent)),
         ("false voxels", step.false_voxels.map(|n| n.to_string())),
@@ -89,7 +89,7 @@ fn map_phrase(step: &StepRecord) -> Option<String> {
 }
 
 /// The expected error of the cloud, and the share of the surface at the goal.
-fn expected_error(record: &ScanRecord) -> Option<Row> {
+fn expected_error(record: &ScanRecord) -> Option<SummaryRow> {
     let median = fixed(record.cloud_expected_error_median_mm?, 2);
     let p95 = fixed(record.cloud_expected_error_p95_mm?, 2);
     let share = record.steps.last().and_then(|step| step.share_at_goal);
@@ -99,7 +99,7 @@ fn expected_error(record: &ScanRecord) -> Option<Row> {
 }
 
 /// The unmeasured share of the closed mesh.
-fn filled(share: f64) -> Row {
+fn filled(share: f64) -> SummaryRow {
     ("filled in", format!("{} of the mesh, which is watertight", percent(share)))
 }
 
@@ -113,7 +113,7 @@ fn score_phrase(quality: QualityMm) -> Option<String> {
 }
 
 /// The areas under the coverage curve.
-fn areas(record: &ScanRecord) -> Option<Row> {
+fn areas(record: &ScanRecord) -> Option<SummaryRow> {
     let [views, time, horizon] =
         [record.coverage_auc_views?, record.coverage_auc_time?, record.coverage_auc_horizon_s?];
     let phrase = format!("{} over the views, {} over {horizon:.0} s", percent(views), percent(time));
@@ -121,7 +121,7 @@ fn areas(record: &ScanRecord) -> Option<Row> {
 }
 
 /// The motion of the model before its evaluation; `None` if it was not moved.
-fn alignment(record: &ScanRecord) -> Option<Row> {
+fn alignment(record: &ScanRecord) -> Option<SummaryRow> {
     let (moved, turned) = (record.alignment_moved_mm?, record.alignment_turned_deg?);
     let phrase = format!("by {moved:.1} mm and {turned:.2} degrees to the true object, for the evaluation");
     (moved > 0.0 || turned > 0.0).then_some(("model aligned", phrase))
@@ -129,7 +129,7 @@ fn alignment(record: &ScanRecord) -> Option<Row> {
 
 /// The number of frames that registration could use, and the others with the reason; `None` if registration
 /// is off.
-fn registered(record: &ScanRecord) -> Option<Row> {
+fn registered(record: &ScanRecord) -> Option<SummaryRow> {
     let n_aside = record.frames_set_aside?;
     let n_used = record.steps.len().saturating_sub(n_aside);
     let aside: Vec<String> = record
@@ -152,7 +152,7 @@ fn quality_phrase(quality: QualityMm) -> String {
 }
 
 /// Rows that only scans of recorded frames have.
-fn recorded(record: &ScanRecord) -> Vec<Row> {
+fn recorded(record: &ScanRecord) -> Vec<SummaryRow> {
     let mut rows = Vec::new();
     let accuracy = record
         .steps
@@ -174,7 +174,7 @@ fn recorded(record: &ScanRecord) -> Vec<Row> {
 }
 
 /// A body that was not scanned, and the gap that would make it part of the object.
-fn other_body(body: &OtherBodyRecord) -> Row {
+fn other_body(body: &OtherBodyRecord) -> SummaryRow {
     let [size, center] = [body.size_m.map(|m| 1e3 * m), body.center_m];
     let size = format!("{:.0} x {:.0} x {:.0} mm", size[0], size[1], size[2]);
     let center = format!("({:.3}, {:.3}, {:.3}) m", center[0], center[1], center[2]);
@@ -187,7 +187,7 @@ fn other_body(body: &OtherBodyRecord) -> Row {
 }
 
 /// The places of the object and its table, if the scan had to find them.
-fn found(config: &ScanConfig, last: Option<&StepRecord>) -> Vec<Row> {
+fn found(config: &ScanConfig, last: Option<&StepRecord>) -> Vec<SummaryRow> {
     let bounds = last.and_then(StepRecord::bounds);
     let table = last.and_then(StepRecord::table);
     let mut rows = Vec::new();
@@ -210,7 +210,7 @@ fn found(config: &ScanConfig, last: Option<&StepRecord>) -> Vec<Row> {
 }
 
 /// Lengths, times and memory.
-fn costs(record: &ScanRecord) -> Vec<Row> {
+fn costs(record: &ScanRecord) -> Vec<SummaryRow> {
     let steps = &record.steps;
     let [path, trajectory, time] =
         steps.last().map_or([0.0; 3], |s| [s.path_length_m, s.trajectory_length_m, s.trajectory_time_s]);

@@ -7,11 +7,11 @@ use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{NextView, Session, SessionConfig};
 use nextview::view::generate;
 use nextview_report::live::{LiveScene, SceneSource};
-use nextview_scan::{FinishedScan, Next, ScanConfig, ScanRun};
+use nextview_scan::{ScanState, Next, ScanConfig, ScanRun};
 use serde_json::Value;
 
 /// A scan in which every camera looks at the middle of a box from 0.4 m and sees a wall there.
-pub fn walls(n_views: usize) -> (FinishedScan<'static>, Option<NextView>, Aabb) {
+pub fn walls(n_views: usize) -> (ScanState<'static>, Option<NextView>, Aabb) {
     let camera = Intrinsics::d435i();
     let bounds = Aabb::cube(DVec3::ZERO, 0.1);
     let views = generate::fibonacci_sphere(DVec3::ZERO, 0.4, n_views + 1).unwrap();

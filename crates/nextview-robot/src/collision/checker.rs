@@ -43,7 +43,7 @@ struct Part {
 
 /// Maximum motion of parts along a straight line between joint values, in metres.
 #[derive(Clone, Debug)]
-pub(crate) struct Motion {
+pub(crate) struct PartMotion {
     of_parts: Vec<f64>,
     /// Motion of the second part of a pair relative to the first.
     of_pairs: Vec<f64>,
@@ -122,13 +122,13 @@ impl Checker {
     }
 
     /// Maximum motion of each part on the straight line between joint values.
-    pub(crate) fn motion(&self, from: &[f64], to: &[f64]) -> Motion {
+    pub(crate) fn motion(&self, from: &[f64], to: &[f64]) -> PartMotion {
         let moved = |part: &Part, first: usize| -> f64 {
             let joints = first..part.link;
             joints.map(|i| (to[i] - from[i]).abs() * part.sweeps[i]).sum()
         };
         let of_pair = |[a, b]: &[usize; 2]| moved(&self.parts[*b], self.parts[*a].link);
-        Motion {
+        PartMotion {
             of_parts: self.parts.iter().map(|part| moved(part, 0)).collect(),
             of_pairs: self.pairs.iter().map(of_pair).collect(),
         }
@@ -136,7 +136,7 @@ impl Checker {
 
     /// The guaranteed free share of a motion forwards and backwards from these values, at most `most`; or the
     /// contact there.
-    pub(crate) fn clear_share(&self, values: &[f64], motion: &Motion, most: f64) -> Result<f64, Contact> {
+    pub(crate) fn clear_share(&self, values: &[f64], motion: &PartMotion, most: f64) -> Result<f64, Contact> {
         let placed = self.place(values);
         let mut share = most;
         for part in self.moving_parts().rev() {

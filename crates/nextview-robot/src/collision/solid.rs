@@ -5,14 +5,14 @@ use nextview::geometry::Pose;
 /// A convex solid around the origin of its frame: a core, expanded by `round`.
 #[derive(Clone, Debug)]
 pub(super) struct Solid {
-    core: Core,
+    core: SolidCore,
     round: f64,
     /// Maximum distance of a point from the origin in metres.
     radius: f64,
 }
 
 #[derive(Clone, Debug)]
-enum Core {
+enum SolidCore {
     Point,
     Box(DVec3),
     Cylinder { radius: f64, half: f64 },
@@ -59,10 +59,10 @@ impl Solid {
     pub fn new(kind: &ShapeKind) -> (Self, DVec3) {
         let mut middle = DVec3::ZERO;
         let (core, round, radius) = match kind {
-            ShapeKind::Box(half) => (Core::Box(*half), 0.0, half.length()),
-            ShapeKind::Sphere(radius) => (Core::Point, *radius, *radius),
+            ShapeKind::Box(half) => (SolidCore::Box(*half), 0.0, half.length()),
+            ShapeKind::Sphere(radius) => (SolidCore::Point, *radius, *radius),
             &ShapeKind::Cylinder { radius, length } => {
-                (Core::Cylinder { radius, half: 0.5 * length }, 0.0, radius.hypot(0.5 * length))
+                (SolidCore::Cylinder { radius, half: 0.5 * length }, 0.0, radius.hypot(0.5 * length))
             }
             ShapeKind::Hull(points) => {
                 let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
@@ -70,7 +70,7 @@ impl Solid {
                 middle = 0.5 * (low + high);
                 let points: Vec<DVec3> = points.iter().map(|point| *point - middle).collect();
                 let radius = points.iter().map(|point| point.length()).fold(0.0, f64::max);
-                (Core::Hull { points, half: 0.5 * (high - low) }, 0.0, radius)
+                (SolidCore::Hull { points, half: 0.5 * (high - low) }, 0.0, radius)
             }
         };
         (Self { core, round, radius }, middle)
@@ -79,7 +79,7 @@ impl Solid {
     /// The cube with faces `half` metres from the origin.
     pub fn cube(half: f64) -> Self {
         let half = DVec3::splat(half);
-        Self { core: Core::Box(half), round: 0.0, radius: half.length() }
+        Self { core: SolidCore::Box(half), round: 0.0, radius: half.length() }
     }
 
     /// Thickness of the layer around the core in metres.
@@ -95,13 +95,13 @@ impl Solid {
     /// The farthest point of the core in a direction, which need not have unit length.
     pub fn support(&self, direction: DVec3) -> DVec3 {
         match &self.core {
-            Core::Point => DVec3::ZERO,
-            Core::Box(half) => half.copysign(direction),
-            Core::Cylinder { radius, half } => {
+            SolidCore::Point => DVec3::ZERO,
+            SolidCore::Box(half) => half.copysign(direction),
+            SolidCore::Cylinder { radius, half } => {
                 let aside = direction.truncate().try_normalize().unwrap_or_default() * *radius;
                 aside.extend(half.copysign(direction.z))
             }
-            Core::Hull { points, .. } => {
+            SolidCore::Hull { points, .. } => {
                 let (mut best, mut highest) = (DVec3::ZERO, f64::NEG_INFINITY);
                 for point in points {
                     let height = point.dot(direction);
@@ -118,9 +118,9 @@ impl Solid {
     /// box; 0 inside.
     pub fn outside(&self, point: DVec3) -> f64 {
         match self.core {
-            Core::Point => (point.length() - self.round).max(0.0),
-            Core::Box(half) | Core::Hull { half, .. } => (point.abs() - half).max(DVec3::ZERO).length(),
-            Core::Cylinder { radius, half } => {
+            SolidCore::Point => (point.length() - self.round).max(0.0),
+            SolidCore::Box(half) | SolidCore::Hull { half, .. } => (point.abs() - half).max(DVec3::ZERO).length(),
+            SolidCore::Cylinder { radius, half } => {
                 let aside = (point.truncate().length() - radius).max(0.0);
                 aside.hypot((point.z.abs() - half).max(0.0))
             }
@@ -130,9 +130,9 @@ impl Solid {
     /// The corners of a box around the solid.
     pub fn corners(&self) -> [DVec3; 8] {
         let half = match self.core {
-            Core::Point => DVec3::splat(self.round),
-            Core::Box(half) | Core::Hull { half, .. } => half,
-            Core::Cylinder { radius, half } => DVec3::new(radius, radius, half),
+            SolidCore::Point => DVec3::splat(self.round),
+            SolidCore::Box(half) | SolidCore::Hull { half, .. } => half,
+            SolidCore::Cylinder { radius, half } => DVec3::new(radius, radius, half),
         };
         std::array::from_fn(|i| {
             let sign = |bit: usize| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };

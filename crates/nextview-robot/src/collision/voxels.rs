@@ -10,14 +10,14 @@ use nextview::geometry::Pose;
 #[derive(Clone, Debug)]
 pub struct BlockedVoxels {
     base_from_grid: Placement,
-    root: Node,
-    branches: Vec<[Node; 8]>,
+    root: CubeNode,
+    branches: Vec<[CubeNode; 8]>,
     /// Half the side of the root in metres.
     half: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Node {
+enum CubeNode {
     Free,
     Blocked,
     /// Number of the branch with the eight parts, x varying fastest.
@@ -65,26 +65,26 @@ impl BlockedVoxels {
     ) -> f64 {
         let solid_from_grid = base_from_solid.inverse_times(&self.base_from_grid);
         let center = solid_from_grid.rotation * DVec3::splat(self.half) + solid_from_grid.translation;
-        let mut search = Search { solid, placement: solid_from_grid, least: limit, enough };
+        let mut search = CubeSearch { solid, placement: solid_from_grid, least: limit, enough };
         let bound = search.bound(center, self.half);
         self.visit(self.root, center, self.half, bound, &mut search);
         search.least
     }
 
-    fn visit(&self, node: Node, center: DVec3, half: f64, bound: f64, search: &mut Search) {
+    fn visit(&self, node: CubeNode, center: DVec3, half: f64, bound: f64, search: &mut CubeSearch) {
         if bound >= search.least || search.least < search.enough {
             return;
         }
         match node {
-            Node::Free => {}
-            Node::Blocked => search.meet(center, half),
-            Node::Mixed(branch) => {
+            CubeNode::Free => {}
+            CubeNode::Blocked => search.meet(center, half),
+            CubeNode::Mixed(branch) => {
                 let half = 0.5 * half;
-                let mut parts: [(f64, DVec3, Node); 8] = std::array::from_fn(|i| {
+                let mut parts: [(f64, DVec3, CubeNode); 8] = std::array::from_fn(|i| {
                     let sign = |bit: usize| if i >> bit & 1 == 0 { -half } else { half };
                     let center = center + search.placement.rotation * DVec3::new(sign(0), sign(1), sign(2));
                     let node = self.branches[branch][i];
-                    let is_free = node == Node::Free;
+                    let is_free = node == CubeNode::Free;
                     (if is_free { f64::INFINITY } else { search.bound(center, half) }, center, node)
                 });
                 parts.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -97,7 +97,7 @@ impl BlockedVoxels {
 }
 
 /// A search for the blocked cube nearest to a solid, in the frame of the solid.
-struct Search<'a> {
+struct CubeSearch<'a> {
     solid: &'a Solid,
     /// Pose of the grid in the frame of the solid.
     placement: Placement,
@@ -105,7 +105,7 @@ struct Search<'a> {
     enough: f64,
 }
 
-impl Search<'_> {
+impl CubeSearch<'_> {
     /// A lower bound on the distance of the cube.
     fn bound(&self, center: DVec3, half: f64) -> f64 {
         self.solid.outside(center) - half * 3.0_f64.sqrt()
@@ -117,25 +117,25 @@ impl Search<'_> {
     }
 }
 
-fn build(branches: &mut Vec<[Node; 8]>, low: UVec3, side: u32, dims: UVec3, blocked: &[bool]) -> Node {
+fn build(branches: &mut Vec<[CubeNode; 8]>, low: UVec3, side: u32, dims: UVec3, blocked: &[bool]) -> CubeNode {
     if low.cmpge(dims).any() {
-        return Node::Free;
+        return CubeNode::Free;
     }
     if side == 1 {
         let [x, y, z] = low.to_array().map(|i| i as usize);
         let is_blocked = blocked[x + dims.x as usize * (y + dims.y as usize * z)];
-        return if is_blocked { Node::Blocked } else { Node::Free };
+        return if is_blocked { CubeNode::Blocked } else { CubeNode::Free };
     }
     let half = side / 2;
-    let parts: [Node; 8] = std::array::from_fn(|i| {
+    let parts: [CubeNode; 8] = std::array::from_fn(|i| {
         let i = i as u32;
         build(branches, low + half * UVec3::new(i & 1, i >> 1 & 1, i >> 2), half, dims, blocked)
     });
-    if parts[0] != Node::Mixed(0) && parts.iter().all(|part| *part == parts[0]) {
+    if parts[0] != CubeNode::Mixed(0) && parts.iter().all(|part| *part == parts[0]) {
         return parts[0];
     }
     branches.push(parts);
-    Node::Mixed(branches.len() - 1)
+    CubeNode::Mixed(branches.len() - 1)
 }
 
 #[cfg(test)]
@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn solid_space_is_one_node() {
         let voxels = BlockedVoxels::new(Pose::IDENTITY, 0.01, UVec3::splat(64), &vec![true; 64 * 64 * 64]);
-        assert_eq!(voxels.unwrap().root, Node::Blocked);
+        assert_eq!(voxels.unwrap().root, CubeNode::Blocked);
         let error = BlockedVoxels::new(Pose::IDENTITY, 0.0, UVec3::new(1, 1, 0), &[]).unwrap_err();
         assert_eq!(
             error.to_string(),

@@ -9,13 +9,13 @@ const MEETING: f64 = 0.005;
 
 /// The axis of a turning joint in the frame of the base, with all joints at 0.
 #[derive(Clone, Copy)]
-pub(super) struct Axis {
+pub(super) struct JointAxis {
     /// Unit vector.
     pub direction: DVec3,
     pub point: DVec3,
 }
 
-impl Axis {
+impl JointAxis {
     pub fn rotation(&self, angle: f64) -> DQuat {
         DQuat::from_axis_angle(self.direction, angle)
     }
@@ -60,7 +60,7 @@ impl Axis {
 
 /// Six turning axes and the pose of the flange with all of them at 0.
 pub(super) struct SixAxes {
-    pub axes: [Axis; 6],
+    pub axes: [JointAxis; 6],
     pub base_from_flange: Pose,
 }
 
@@ -77,10 +77,10 @@ impl SixAxes {
             let joint = &arm.joints[number];
             let base_from_joint = base_from_links[number] * joint.parent_from_joint;
             let direction = (base_from_joint.rotation() * joint.axis).normalize();
-            let axis = Axis { direction, point: base_from_joint.translation() };
+            let axis = JointAxis { direction, point: base_from_joint.translation() };
             (joint.kind == JointKind::Revolute).then_some(axis)
         });
-        let axes: [Axis; 6] = axes.collect::<Option<Vec<_>>>()?.try_into().ok()?;
+        let axes: [JointAxis; 6] = axes.collect::<Option<Vec<_>>>()?.try_into().ok()?;
         Some(Self { axes, base_from_flange: base_from_links[arm.n_joints()] * arm.last_link_from_flange })
     }
 }

@@ -16,7 +16,7 @@ const LAST_DAMPING: f64 = 1e4;
 const FARTHEST: f64 = 1e6;
 
 /// Pose error: metres and, as a vector along the axis, radians.
-type Error = [f64; 6];
+type PoseOffset = [f64; 6];
 
 /// Descends from `values` towards a pose in at most `n_steps` steps of damped least squares
 /// (Levenberg-Marquardt; Nakamura and Hanafusa 1986). Returns the values if they reach it.
@@ -57,16 +57,16 @@ pub(super) fn descend(
     reaches(&error).then_some(values)
 }
 
-fn reaches(error: &Error) -> bool {
+fn reaches(error: &PoseOffset) -> bool {
     let [x, y, z, a, b, c] = *error;
     DVec3::new(x, y, z).length() <= TOLERANCE && DVec3::new(a, b, c).length() <= TOLERANCE
 }
 
-fn norm(error: &Error) -> f64 {
+fn norm(error: &PoseOffset) -> f64 {
     error.iter().map(|part| part * part).sum::<f64>().sqrt()
 }
 
-fn error_of(arm: &Arm, target: &Pose, values: &[f64]) -> Error {
+fn error_of(arm: &Arm, target: &Pose, values: &[f64]) -> PoseOffset {
     let reached = arm.forward(values);
     let offset = target.translation() - reached.translation();
     let turn = scaled_axis(target.rotation() * reached.rotation().conjugate());
@@ -81,7 +81,7 @@ fn scaled_axis(rotation: DQuat) -> DVec3 {
 }
 
 /// The step that reduces an error: J^T (J J^T + damping)^-1 error.
-fn step(arm: &Arm, values: &[f64], error: &Error, damping: f64) -> Vec<f64> {
+fn step(arm: &Arm, values: &[f64], error: &PoseOffset, damping: f64) -> Vec<f64> {
     let columns = jacobian(arm, values);
     let mut matrix = [[0.0; 6]; 6];
     for (row, line) in matrix.iter_mut().enumerate() {
@@ -95,7 +95,7 @@ fn step(arm: &Arm, values: &[f64], error: &Error, damping: f64) -> Vec<f64> {
 }
 
 /// Motion of the flange by each joint.
-fn jacobian(arm: &Arm, values: &[f64]) -> Vec<Error> {
+fn jacobian(arm: &Arm, values: &[f64]) -> Vec<PoseOffset> {
     let base_from_links = arm.link_poses(values);
     let flange = (base_from_links[arm.n_joints()] * arm.last_link_from_flange).translation();
     let joints = arm.joints.iter().zip(&base_from_links[1..]);
@@ -113,7 +113,7 @@ fn jacobian(arm: &Arm, values: &[f64]) -> Vec<Error> {
 }
 
 /// Solves a positive definite system by Cholesky decomposition.
-fn solve(matrix: [[f64; 6]; 6], right: Error) -> Error {
+fn solve(matrix: [[f64; 6]; 6], right: PoseOffset) -> PoseOffset {
     let mut lower = matrix;
     for row in 0..6 {
         for column in 0..=row {

@@ -1,4 +1,4 @@
-use super::axis::Axis;
+use super::axis::JointAxis;
 use super::circle::{angle_of, angles_between, angles_to_distance, angles_to_product};
 use super::free::Free;
 use glam::DVec3;
@@ -7,13 +7,13 @@ use nextview::geometry::Pose;
 /// Six axes of which the second to fourth are parallel and the last two meet, as in the arms of Universal
 /// Robots (Hawkins 2013).
 pub(super) struct ParallelAxes {
-    axes: [Axis; 6],
+    axes: [JointAxis; 6],
     /// Intersection of the last two axes.
     center: DVec3,
 }
 
 impl ParallelAxes {
-    pub fn of(axes: &[Axis; 6]) -> Option<Self> {
+    pub fn of(axes: &[JointAxis; 6]) -> Option<Self> {
         let [first, second, third, fourth, fifth, sixth] = axes;
         let is_planar = second.is_parallel(third) && second.is_parallel(fourth);
         if !is_planar || first.is_parallel(second) || fifth.is_parallel(second) {

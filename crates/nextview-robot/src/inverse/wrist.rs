@@ -1,4 +1,4 @@
-use super::axis::Axis;
+use super::axis::JointAxis;
 use super::circle::{angle_of, angles_between, angles_to_distance, angles_to_product};
 use super::free::Free;
 use glam::{DQuat, DVec3};
@@ -7,7 +7,7 @@ use nextview::geometry::Pose;
 /// Six axes of which the last three meet: the first three position their intersection, the others turn the
 /// flange about it (Brandstötter et al. 2014).
 pub(super) struct Wrist {
-    axes: [Axis; 6],
+    axes: [JointAxis; 6],
     /// Intersection of the last three axes.
     center: DVec3,
     /// Intersection of the first two axes; `None` if the second and third are parallel instead.
@@ -15,7 +15,7 @@ pub(super) struct Wrist {
 }
 
 impl Wrist {
-    pub fn of(axes: &[Axis; 6]) -> Option<Self> {
+    pub fn of(axes: &[JointAxis; 6]) -> Option<Self> {
         let center = axes[3].meets(&axes[4]).filter(|center| axes[5].passes(*center))?;
         if axes[4].is_parallel(&axes[5]) {
             return None;

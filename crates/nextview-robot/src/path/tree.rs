@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 const STEP: f64 = 0.5;
 
 /// Free joint values, and the free lines between them.
-struct Tree {
+struct JointTree {
     /// Values, and the number of the preceding node; the root is its own.
     nodes: Vec<(Vec<f64>, usize)>,
 }
@@ -33,7 +33,7 @@ pub(super) fn connect(
     n_samples: usize,
     cancel: &Cancel,
 ) -> Result<Option<Vec<Vec<f64>>>, Cancelled> {
-    let mut trees = [from, to].map(|root| Tree { nodes: vec![(root.to_vec(), 0)] });
+    let mut trees = [from, to].map(|root| JointTree { nodes: vec![(root.to_vec(), 0)] });
     for i in 0..n_samples {
         let sample = sample(checker.arm(), from, to, random);
         let [growing, other] = &mut trees;
@@ -74,7 +74,7 @@ fn sample(arm: &Arm, from: &[f64], to: &[f64], random: &mut Random) -> Vec<f64> 
     ranges.map(|(low, high)| random.range(low, high)).collect()
 }
 
-impl Tree {
+impl JointTree {
     /// Adds a node towards these values, from the nearest one.
     fn grow(&mut self, checker: &Checker, to: &[f64], cancel: &Cancel) -> Result<Grown, Cancelled> {
         cancel.check()?;

@@ -1,5 +1,5 @@
 use super::error::{UrdfError, UrdfFault};
-use super::model::{Model, Motion};
+use super::model::{Model, JointMotion};
 use std::collections::BTreeMap;
 
 /// The tree of a URDF, and the path through it from base to tip.
@@ -156,7 +156,7 @@ fn only_tip(
     above: &Above,
     joints_below: &[Vec<usize>],
 ) -> Result<usize, UrdfFault> {
-    let moves = |joint: &usize| !matches!(model.joints[*joint].motion, Motion::Fixed);
+    let moves = |joint: &usize| !matches!(model.joints[*joint].motion, JointMotion::Fixed);
     let is_tip = |link: &usize| {
         joints_below[*link].is_empty()
             && joints_to(base, *link, above).is_some_and(|joints| joints.iter().any(moves))
@@ -188,13 +188,13 @@ fn way(model: &Model, base: usize, tip: usize, above: &Above) -> Result<Vec<usiz
     };
     let mut faults = Vec::new();
     for joint in joints.iter().map(|&joint| &model.joints[joint]) {
-        if let Motion::Unsupported(motion) = joint.motion {
+        if let JointMotion::Unsupported(motion) = joint.motion {
             let expected = "expected revolute, continuous, prismatic or fixed between base and tip";
             let place = format!("joint {:?}", joint.name);
             faults.push(UrdfFault::new(Some(joint.line), place, format!("is {motion}, {expected}")));
         }
     }
-    let is_still = |&joint: &usize| matches!(model.joints[joint].motion, Motion::Fixed);
+    let is_still = |&joint: &usize| matches!(model.joints[joint].motion, JointMotion::Fixed);
     if joints.iter().all(is_still) {
         faults.push(no_joints(name(base), name(tip)));
     }

@@ -1,11 +1,11 @@
 use super::chain::Chain;
-use super::model::{Model, Motion};
+use super::model::{Model, JointMotion};
 use crate::{Arm, Joint, Link, Shape};
 use nextview::geometry::Pose;
 
 /// The position of a link of the file: its link of the arm, and its frame there.
 #[derive(Clone, Copy)]
-struct Place {
+struct LinkPosition {
     arm_link: usize,
     arm_from_link: Pose,
 }
@@ -19,12 +19,12 @@ pub(super) fn fold(model: &Model, chain: &Chain) -> Arm {
     let mut is_on_chain = vec![false; model.joints.len()];
     for &joint in &chain.joints {
         is_on_chain[joint] = true;
-        if !matches!(model.joints[joint].motion, Motion::Fixed) {
+        if !matches!(model.joints[joint].motion, JointMotion::Fixed) {
             links.push(link(chain.child[joint]));
         }
     }
     let mut last_link_from_flange = Pose::IDENTITY;
-    let mut open = vec![(chain.base, Place { arm_link: 0, arm_from_link: Pose::IDENTITY })];
+    let mut open = vec![(chain.base, LinkPosition { arm_link: 0, arm_from_link: Pose::IDENTITY })];
     while let Some((link, place)) = open.pop() {
         if link == chain.tip {
             last_link_from_flange = place.arm_from_link;
@@ -39,14 +39,14 @@ pub(super) fn fold(model: &Model, chain: &Chain) -> Arm {
             let joint = &model.joints[number];
             let parent_from_joint = place.arm_from_link * joint.parent_from_joint;
             let below = match &joint.motion {
-                Motion::Moves { kind, axis, limits } if is_on_chain[number] => {
+                JointMotion::Moves { kind, axis, limits } if is_on_chain[number] => {
                     let (name, kind, axis, limits) = (joint.name.clone(), *kind, *axis, *limits);
                     joints.push(Joint { name, kind, parent_from_joint, axis, limits });
-                    Place { arm_link: place.arm_link + 1, arm_from_link: Pose::IDENTITY }
+                    LinkPosition { arm_link: place.arm_link + 1, arm_from_link: Pose::IDENTITY }
                 }
                 motion => {
                     let arm_from_link = parent_from_joint * motion.at_rest();
-                    Place { arm_link: place.arm_link, arm_from_link }
+                    LinkPosition { arm_link: place.arm_link, arm_from_link }
                 }
             };
             open.push((chain.child[number], below));

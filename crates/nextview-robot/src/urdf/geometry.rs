@@ -1,4 +1,4 @@
-use super::reader::{LARGEST, Reader, children, shortened};
+use super::reader::{LARGEST, UrdfReader, children, shortened};
 use crate::{Shape, ShapeKind};
 use glam::DVec3;
 use roxmltree::Node;
@@ -6,7 +6,7 @@ use roxmltree::Node;
 /// Relative thickness below which a hull is flat.
 const FLAT: f64 = 1e-9;
 
-impl Reader<'_> {
+impl UrdfReader<'_> {
     /// The solid of a `collision` element; `None` if it is invalid or takes up no space.
     pub fn shape(&mut self, node: Node, place: &str) -> Option<Shape> {
         let place = format!("{place}, collision");

@@ -1,5 +1,5 @@
-use super::model::{ModelJoint, Motion};
-use super::reader::{Reader, children, shortened};
+use super::model::{ModelJoint, JointMotion};
+use super::reader::{UrdfReader, children, shortened};
 use crate::{JointKind, JointLimits};
 use glam::DVec3;
 use roxmltree::Node;
@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 /// Minimum length of an axis to have a direction.
 const SHORTEST_AXIS: f64 = 1e-9;
 
-impl Reader<'_> {
+impl UrdfReader<'_> {
     pub fn joint(&mut self, node: Node) -> ModelJoint {
         let name = self.text(node, "name", "joint");
         let place = format!("joint {name:?}");
@@ -33,14 +33,14 @@ impl Reader<'_> {
         }
     }
 
-    fn motion(&mut self, node: Node, place: &str) -> Motion {
+    fn motion(&mut self, node: Node, place: &str) -> JointMotion {
         if children(node, "mimic").next().is_some() {
-            return Motion::Unsupported("mimic");
+            return JointMotion::Unsupported("mimic");
         }
         match node.attribute("type") {
-            Some("fixed") => Motion::Fixed,
-            Some("floating") => Motion::Unsupported("floating"),
-            Some("planar") => Motion::Unsupported("planar"),
+            Some("fixed") => JointMotion::Fixed,
+            Some("floating") => JointMotion::Unsupported("floating"),
+            Some("planar") => JointMotion::Unsupported("planar"),
             Some("revolute") => self.moves(node, place, JointKind::Revolute, false),
             Some("continuous") => self.moves(node, place, JointKind::Revolute, true),
             Some("prismatic") => self.moves(node, place, JointKind::Prismatic, false),
@@ -48,13 +48,13 @@ impl Reader<'_> {
                 let found = shortened(other.unwrap_or_default());
                 let expected = "expected revolute, continuous, prismatic, fixed, floating or planar";
                 self.add(node, place, format!("`type` is {found:?}, {expected}"));
-                Motion::Fixed
+                JointMotion::Fixed
             }
         }
     }
 
-    fn moves(&mut self, node: Node, place: &str, kind: JointKind, is_continuous: bool) -> Motion {
-        Motion::Moves { kind, axis: self.axis(node, place), limits: self.limits(node, place, is_continuous) }
+    fn moves(&mut self, node: Node, place: &str, kind: JointKind, is_continuous: bool) -> JointMotion {
+        JointMotion::Moves { kind, axis: self.axis(node, place), limits: self.limits(node, place, is_continuous) }
     }
 
     /// The direction of the axis; by default x, as the format defines.

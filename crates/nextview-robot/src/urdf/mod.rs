@@ -14,7 +14,7 @@ pub use options::UrdfOptions;
 
 use crate::Arm;
 use chain::Chain;
-use reader::Reader;
+use reader::UrdfReader;
 
 impl Arm {
     /// Reads the arm between two links of a URDF.
@@ -47,7 +47,7 @@ impl Arm {
     /// # Ok::<(), nextview_robot::urdf::UrdfError>(())
     /// ```
     pub fn from_urdf(text: &str, options: &UrdfOptions) -> Result<Self, UrdfError> {
-        let model = Reader::new(options).read(text)?;
+        let model = UrdfReader::new(options).read(text)?;
         let chain = Chain::find(&model, options.base_link, options.tip_link)?;
         Ok(fold::fold(&model, &chain))
     }

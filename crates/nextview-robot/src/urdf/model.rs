@@ -22,11 +22,11 @@ pub(super) struct ModelJoint {
     pub parent: String,
     pub child: String,
     pub parent_from_joint: Pose,
-    pub motion: Motion,
+    pub motion: JointMotion,
 }
 
 /// The motion of a joint in a URDF.
-pub(super) enum Motion {
+pub(super) enum JointMotion {
     Fixed,
     Moves {
         kind: JointKind,
@@ -37,7 +37,7 @@ pub(super) enum Motion {
     Unsupported(&'static str),
 }
 
-impl Motion {
+impl JointMotion {
     /// The frame after the joint relative to that before it, at the value nearest to 0.
     pub fn at_rest(&self) -> Pose {
         let Self::Moves { kind, axis, limits } = self else { return Pose::IDENTITY };

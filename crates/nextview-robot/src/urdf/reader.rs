@@ -14,14 +14,14 @@ const NAMES: &str = "axis box child collision cylinder filename geometry joint l
 
 /// Reads the elements of a URDF and collects their faults. An invalid value is replaced by a harmless one,
 /// and reading continues.
-pub(super) struct Reader<'a> {
+pub(super) struct UrdfReader<'a> {
     pub options: &'a UrdfOptions<'a>,
     /// The offset at which each line begins.
     line_starts: Vec<usize>,
     faults: Vec<UrdfFault>,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> UrdfReader<'a> {
     pub fn new(options: &'a UrdfOptions<'a>) -> Self {
         Self { options, line_starts: vec![0], faults: Vec::new() }
     }

@@ -1,6 +1,6 @@
 //! A requested image, until its pose is known.
 
-use super::whereabouts::Whereabouts;
+use super::pose_history::PoseHistory;
 use crate::messages::Header;
 use nextview::geometry::Pose;
 use nextview::sensor::{DepthImage, Intrinsics};
@@ -8,7 +8,7 @@ use nextview_recording::ros::TransformError;
 use std::time::{Duration, Instant};
 
 /// An image with its pose.
-pub struct Taken {
+pub struct PosedImage {
     pub header: Header,
     pub depth: DepthImage,
     pub intrinsics: Intrinsics,
@@ -27,14 +27,14 @@ pub struct Shot {
 const PATIENCE: Duration = Duration::from_millis(500);
 
 /// A request for an image.
-pub struct Capture {
+pub struct CaptureRequest {
     until: Instant,
     shot: Option<Shot>,
     /// The reason why there is no image yet.
     why: String,
 }
 
-impl Capture {
+impl CaptureRequest {
     pub fn begin(timeout: f64) -> Self {
         // Longer than any program runs.
         let timeout = Duration::from_secs_f64(timeout.min(1e9));
@@ -56,11 +56,11 @@ impl Capture {
     }
 
     /// The image, once its pose is known; after the timeout, the reason why there is none.
-    pub fn done(&mut self, whereabouts: &Whereabouts) -> Option<Result<Taken, String>> {
+    pub fn done(&mut self, poses: &PoseHistory) -> Option<Result<PosedImage, String>> {
         if let Some(Shot { header, depth, intrinsics, came }) = self.shot.take() {
-            match whereabouts.at(&header.frame_id, header.stamp.seconds()) {
+            match poses.at(&header.frame_id, header.stamp.seconds()) {
                 Ok(world_from_camera) => {
-                    return Some(Ok(Taken { header, depth, intrinsics, world_from_camera }));
+                    return Some(Ok(PosedImage { header, depth, intrinsics, world_from_camera }));
                 }
                 Err(error) => {
                     self.why = format!("the pose of the image is not known: {error}");

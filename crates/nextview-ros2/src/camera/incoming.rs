@@ -1,6 +1,6 @@
-use super::capture::{Capture, Shot, Taken};
-use super::rest::{Rest, is_near};
-use super::whereabouts::Whereabouts;
+use super::capture::{CaptureRequest, Shot, PosedImage};
+use super::rest::{RecentPoses, is_near};
+use super::pose_history::PoseHistory;
 use crate::connections::Message;
 use crate::messages::{CompressedImage, Header, Image};
 use crate::notes::Notes;
@@ -12,25 +12,25 @@ use std::time::Instant;
 
 /// The camera as described by its messages. At most one image is kept, and only while one is requested.
 pub struct Camera {
-    whereabouts: Whereabouts,
+    poses: PoseHistory,
     /// From the last camera_info.
     pub intrinsics: Option<Intrinsics>,
     /// Header of the last image: its frame and its time.
     last: Option<Header>,
     /// Number of images received.
     pub n_images: u64,
-    rest: Rest,
-    capture: Option<Capture>,
+    rest: RecentPoses,
+    capture: Option<CaptureRequest>,
 }
 
 impl Camera {
     pub fn new(parameters: &Parameters) -> Self {
         Self {
-            whereabouts: Whereabouts::new(&parameters.global_frame, parameters.use_tf_transforms),
+            poses: PoseHistory::new(&parameters.global_frame, parameters.use_tf_transforms),
             intrinsics: None,
             last: None,
             n_images: 0,
-            rest: Rest::default(),
+            rest: RecentPoses::default(),
             capture: None,
         }
     }
@@ -46,22 +46,22 @@ impl Camera {
                 Err(error) => notes.add("depth/camera_info", error.to_string()),
             },
             Message::Transforms { message, is_static } => {
-                self.whereabouts.transforms(&message, is_static, notes);
+                self.poses.transforms(&message, is_static, notes);
             }
-            Message::Pose(pose) => self.whereabouts.pose(&pose, notes),
+            Message::Pose(pose) => self.poses.pose(&pose, notes),
             Message::Image(image) => self.image(&image, notes),
             Message::Compressed(image) => self.image(&image, notes),
             Message::Unreadable(topic, problem) => notes.add(topic, problem),
         }
     }
 
-    fn image(&mut self, image: &impl Picture, notes: &mut Notes) {
+    fn image(&mut self, image: &impl IncomingImage, notes: &mut Notes) {
         self.n_images += 1;
         let header = image.header();
         let is_backwards =
             self.last.as_ref().is_some_and(|last| header.stamp.seconds() < last.stamp.seconds());
         self.last = Some(header.clone());
-        let is_wanted = self.capture.as_ref().is_some_and(Capture::wants_image);
+        let is_wanted = self.capture.as_ref().is_some_and(CaptureRequest::wants_image);
         let shot = match (is_backwards, self.intrinsics) {
             (true, _) => {
                 Err("the stamp is earlier than that of the previous image, expected a later one".to_owned())
@@ -87,7 +87,7 @@ impl Camera {
 
     /// Requests the next image.
     pub fn capture(&mut self, timeout: f64) {
-        self.capture = Some(Capture::begin(timeout));
+        self.capture = Some(CaptureRequest::begin(timeout));
     }
 
     pub fn is_capturing(&self) -> bool {
@@ -95,8 +95,8 @@ impl Camera {
     }
 
     /// Returns the requested image once, or the reason why there is none.
-    pub fn taken(&mut self) -> Option<Result<Taken, String>> {
-        let done = self.capture.as_mut()?.done(&self.whereabouts)?;
+    pub fn taken(&mut self) -> Option<Result<PosedImage, String>> {
+        let done = self.capture.as_mut()?.done(&self.poses)?;
         self.capture = None;
         Some(done)
     }
@@ -104,7 +104,7 @@ impl Camera {
     /// Whether the camera rests near a pose, if its pose is known. Must be called regularly.
     pub fn rests_near(&mut self, wanted: &Pose, distance: f64, angle: f64) -> bool {
         let Some(Header { stamp, frame_id }) = &self.last else { return false };
-        if let Ok(pose) = self.whereabouts.at(frame_id, stamp.seconds()) {
+        if let Ok(pose) = self.poses.at(frame_id, stamp.seconds()) {
             self.rest.saw(stamp.seconds(), pose);
         }
         self.rest.place().is_some_and(|place| is_near(&place, wanted, distance, angle))
@@ -112,14 +112,14 @@ impl Camera {
 }
 
 /// An image of either kind.
-trait Picture {
+trait IncomingImage {
     fn header(&self) -> &Header;
     fn depth(&self, intrinsics: &Intrinsics) -> Result<DepthImage, RecordingError>;
     /// Fails if it is not a depth image.
     fn check(&self) -> Result<(), String>;
 }
 
-impl Picture for Image {
+impl IncomingImage for Image {
     fn header(&self) -> &Header {
         &self.header
     }
@@ -135,7 +135,7 @@ impl Picture for Image {
     }
 }
 
-impl Picture for CompressedImage {
+impl IncomingImage for CompressedImage {
     fn header(&self) -> &Header {
         &self.header
     }

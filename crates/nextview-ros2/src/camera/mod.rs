@@ -3,7 +3,7 @@
 mod capture;
 mod incoming;
 mod rest;
-mod whereabouts;
+mod pose_history;
 
-pub use capture::Taken;
+pub use capture::PosedImage;
 pub use incoming::Camera;

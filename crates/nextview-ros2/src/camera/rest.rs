@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 /// Recent poses of the camera, oldest first.
 #[derive(Default)]
-pub struct Rest(VecDeque<(f64, Pose)>);
+pub struct RecentPoses(VecDeque<(f64, Pose)>);
 
 /// Maximum motion of a resting camera, in metres and radians, and its minimum duration in seconds: a blurred
 /// image, or a pose of another moment, is worse than waiting.
@@ -13,7 +13,7 @@ const MOVED: f64 = 0.002;
 const TURNED: f64 = 0.005;
 const TIME: f64 = 0.4;
 
-impl Rest {
+impl RecentPoses {
     /// Records the camera's pose at this time in seconds. Times not later than the last are ignored, and old
     /// entries are dropped.
     pub fn saw(&mut self, time: f64, pose: Pose) {
@@ -58,7 +58,7 @@ mod tests {
 
     #[test]
     fn a_camera_rests_after_a_while() {
-        let mut rest = Rest::default();
+        let mut rest = RecentPoses::default();
         for i in 0..60 {
             // It stops at 1 s.
             let time = i as f64 / 30.0;

@@ -7,5 +7,5 @@ mod services;
 
 pub use connector::{Connector, join};
 pub use inputs::{Inputs, Message};
-pub use outputs::{Output, Outputs};
+pub use outputs::{OutgoingMessage, Outputs};
 pub use services::{Service, Services};

@@ -5,7 +5,7 @@ use crate::messages::{
 use ros2_client::dds::Publisher;
 
 /// A message to publish.
-pub enum Output {
+pub enum OutgoingMessage {
     NextView(PoseStamped),
     Candidates(PoseArray),
     Path(Path),
@@ -47,19 +47,19 @@ impl Outputs {
     }
 
     /// Publishes a message. Fails with the reason.
-    pub fn publish(&self, output: Output) -> Result<(), String> {
+    pub fn publish(&self, output: OutgoingMessage) -> Result<(), String> {
         match output {
-            Output::NextView(message) => sent("~/next_view", self.next_view.publish(message)),
-            Output::Candidates(message) => sent("~/candidates", self.candidates.publish(message)),
-            Output::Path(message) => sent("~/path", self.path.publish(message)),
-            Output::JointTrajectory(message) => {
+            OutgoingMessage::NextView(message) => sent("~/next_view", self.next_view.publish(message)),
+            OutgoingMessage::Candidates(message) => sent("~/candidates", self.candidates.publish(message)),
+            OutgoingMessage::Path(message) => sent("~/path", self.path.publish(message)),
+            OutgoingMessage::JointTrajectory(message) => {
                 sent("~/joint_trajectory", self.joint_trajectory.publish(message))
             }
-            Output::OctomapBinary(message) => sent("~/octomap_binary", self.octomap_binary.publish(message)),
-            Output::OctomapFull(message) => sent("~/octomap_full", self.octomap_full.publish(message)),
-            Output::Cloud(message) => sent("~/cloud", self.cloud.publish(message)),
-            Output::Markers(message) => sent("~/markers", self.markers.publish(message)),
-            Output::Status(message) => sent("~/status", self.status.publish(message)),
+            OutgoingMessage::OctomapBinary(message) => sent("~/octomap_binary", self.octomap_binary.publish(message)),
+            OutgoingMessage::OctomapFull(message) => sent("~/octomap_full", self.octomap_full.publish(message)),
+            OutgoingMessage::Cloud(message) => sent("~/cloud", self.cloud.publish(message)),
+            OutgoingMessage::Markers(message) => sent("~/markers", self.markers.publish(message)),
+            OutgoingMessage::Status(message) => sent("~/status", self.status.publish(message)),
         }
     }
 }

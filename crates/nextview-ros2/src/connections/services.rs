@@ -9,7 +9,7 @@ use ros2_client::{RmwRequestId, ServiceTypeName};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Service {
     /// Takes the next image.
-    Capture,
+    CaptureRequest,
     /// Returns the next view.
     Plan,
     /// Never proposes the next view again.
@@ -21,11 +21,11 @@ pub enum Service {
 }
 
 impl Service {
-    const ALL: [Self; 5] = [Self::Capture, Self::Plan, Self::Skip, Self::Save, Self::Reset];
+    const ALL: [Self; 5] = [Self::CaptureRequest, Self::Plan, Self::Skip, Self::Save, Self::Reset];
 
     fn name(self) -> &'static str {
         match self {
-            Self::Capture => "~/capture",
+            Self::CaptureRequest => "~/capture",
             Self::Plan => "~/plan",
             Self::Skip => "~/skip",
             Self::Save => "~/save",

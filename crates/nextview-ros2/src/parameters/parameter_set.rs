@@ -60,7 +60,7 @@ impl Parameters {
                 _ => config = merged(config, nested(key, value.clone())),
             }
         }
-        let mut read = Reader { own: &own, faults: &mut faults };
+        let mut read = ParameterReader { own: &own, faults: &mut faults };
         let parameters = Self {
             global_frame: read.text("global_frame").unwrap_or_else(|| "map".to_owned()),
             use_tf_transforms: read.truth("use_tf_transforms").unwrap_or(true),
@@ -107,12 +107,12 @@ const OWN: [&str; 7] = [
 ];
 
 /// Reads the node's own parameters, and records faults in their types.
-struct Reader<'a> {
+struct ParameterReader<'a> {
     own: &'a Table,
     faults: &'a mut Vec<String>,
 }
 
-impl Reader<'_> {
+impl ParameterReader<'_> {
     fn text(&mut self, name: &str) -> Option<String> {
         self.get(name, "a string", |value| value.as_str().map(str::to_owned))
     }

@@ -1,7 +1,7 @@
 //! A scan as messages.
 
 use super::{cloud, markers, octomap};
-use crate::connections::Output;
+use crate::connections::OutgoingMessage;
 use crate::messages::{
     Duration, Header, JointTrajectory, JointTrajectoryPoint, Path, Pose, PoseArray, PoseStamped, Time,
 };
@@ -12,35 +12,35 @@ use nextview_scan::{Fault, LiveScan};
 
 /// All messages after a decision, in this frame. When the scan is over, there is no next view, and its path
 /// is empty.
-pub fn outputs(scan: &LiveScan, next: Option<&NextView>, frame: &str) -> Result<Vec<Output>, Fault> {
+pub fn outputs(scan: &LiveScan, next: Option<&NextView>, frame: &str) -> Result<Vec<OutgoingMessage>, Fault> {
     let session = &scan.scan().session;
     let stamped =
         |stamp: Time, pose: Pose| PoseStamped { header: Header { stamp, ..Header::of(frame) }, pose };
     let mut outputs = Vec::new();
     let mut waypoints = Vec::new();
     if let Some(next) = next {
-        outputs.push(Output::NextView(stamped(Time::default(), (&next.world_from_camera).into())));
+        outputs.push(OutgoingMessage::NextView(stamped(Time::default(), (&next.world_from_camera).into())));
         let trajectory = scan.trajectory_to(next)?;
         // Times are relative to the camera's start.
         let waypoint = |at: &nextview::motion::Waypoint| {
             stamped(Time::from_seconds(at.time), (&at.world_from_camera).into())
         };
         waypoints = trajectory.waypoints().iter().map(waypoint).collect();
-        let joints = scan.joints_to(next).map(|joints| Output::JointTrajectory(joint_trajectory(joints)));
+        let joints = scan.joints_to(next).map(|joints| OutgoingMessage::JointTrajectory(joint_trajectory(joints)));
         outputs.extend(joints);
     }
-    outputs.push(Output::Path(Path { header: Header::of(frame), poses: waypoints }));
+    outputs.push(OutgoingMessage::Path(Path { header: Header::of(frame), poses: waypoints }));
     let visited = session.visited();
     let free = session.views().poses().iter().enumerate().filter(|(view, _)| !visited.contains(view));
     let poses = free.map(|(_, pose)| pose.into()).collect();
-    outputs.push(Output::Candidates(PoseArray { header: Header::of(frame), poses }));
+    outputs.push(OutgoingMessage::Candidates(PoseArray { header: Header::of(frame), poses }));
     let [full, binary] = octomap::messages(session.map(), frame)?;
-    outputs.extend([Output::OctomapBinary(binary), Output::OctomapFull(full)]);
-    outputs.push(Output::Cloud(cloud::message(&points(scan)?, frame)));
+    outputs.extend([OutgoingMessage::OctomapBinary(binary), OutgoingMessage::OctomapFull(full)]);
+    outputs.push(OutgoingMessage::Cloud(cloud::message(&points(scan)?, frame)));
     let taken: Vec<DVec3> =
         session.frames().iter().map(|frame| frame.world_from_camera().translation()).collect();
     let pose = next.map(|next| &next.world_from_camera);
-    outputs.push(Output::Markers(markers::message(session.bounds(), pose, &taken, frame)));
+    outputs.push(OutgoingMessage::Markers(markers::message(session.bounds(), pose, &taken, frame)));
     Ok(outputs)
 }
 

@@ -1,6 +1,6 @@
 use super::picture::outputs;
-use crate::camera::Taken;
-use crate::connections::Output;
+use crate::camera::PosedImage;
+use crate::connections::OutgoingMessage;
 use crate::messages::TriggerResponse;
 use crate::notes::say;
 use crate::parameters::Parameters;
@@ -26,7 +26,7 @@ pub enum Job {
     Resume,
     /// Starts with this camera, or resumes if the interrupted scan used the same camera.
     Begin(Intrinsics),
-    Observe(Box<Taken>),
+    Observe(Box<PosedImage>),
     Plan,
     Skip,
     Save,
@@ -35,9 +35,9 @@ pub enum Job {
 }
 
 /// The messages of the thread.
-pub enum Report<T> {
+pub enum WorkerReport<T> {
     /// Messages to publish.
-    Outputs(Vec<Output>),
+    Outputs(Vec<OutgoingMessage>),
     State(State),
     /// A finished order.
     Done {
@@ -49,7 +49,7 @@ pub enum Report<T> {
 /// The state of the scan.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct State {
-    pub state: Stage,
+    pub state: ScanStage,
     /// Number of frames taken.
     pub frames: usize,
     /// Number of the next view among the candidates; `None` if it is no candidate, or if there is none.
@@ -67,7 +67,7 @@ pub struct State {
 /// The stage, in the words of the status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Stage {
+pub enum ScanStage {
     /// No camera_info has arrived.
     #[default]
     WaitingForCamera,
@@ -80,7 +80,7 @@ pub enum Stage {
 /// Starts the thread. Orders are processed one after the other, in order of arrival.
 pub fn start<T: Send + 'static>(
     parameters: Parameters,
-    reports: UnboundedSender<Report<T>>,
+    reports: UnboundedSender<WorkerReport<T>>,
 ) -> mpsc::Sender<Order<T>> {
     let (sender, orders) = mpsc::channel();
     std::thread::spawn(move || {
@@ -88,7 +88,7 @@ pub fn start<T: Send + 'static>(
         for Order { job, askers } in orders {
             let answer = worker.tell(&reports, job);
             // If nobody listens, the node has ended.
-            let _ = reports.send(Report::Done { askers, answer });
+            let _ = reports.send(WorkerReport::Done { askers, answer });
         }
     });
     sender
@@ -103,13 +103,13 @@ struct Worker {
 
 impl Worker {
     /// Does a job, and reports its visible results.
-    fn tell<T>(&mut self, reports: &UnboundedSender<Report<T>>, job: Job) -> TriggerResponse {
+    fn tell<T>(&mut self, reports: &UnboundedSender<WorkerReport<T>>, job: Job) -> TriggerResponse {
         match self.work(job).and_then(|has_changed| self.show(has_changed)) {
             Ok((outputs, state)) => {
                 // Numbers and names can always be serialized.
                 let message = serde_json::to_string(&state).unwrap_or_default();
-                let _ = reports.send(Report::Outputs(outputs));
-                let _ = reports.send(Report::State(state));
+                let _ = reports.send(WorkerReport::Outputs(outputs));
+                let _ = reports.send(WorkerReport::State(state));
                 TriggerResponse { success: true, message }
             }
             Err(faults) => TriggerResponse { success: false, message: told(&faults) },
@@ -122,7 +122,7 @@ impl Worker {
             Job::Resume => self.resume(),
             Job::Begin(camera) => self.begin_or_check(camera),
             Job::Observe(taken) => {
-                let Taken { header, depth, intrinsics, world_from_camera } = *taken;
+                let PosedImage { header, depth, intrinsics, world_from_camera } = *taken;
                 self.begin_or_check(intrinsics)?;
                 let name = format!("{}.{:09}", header.stamp.sec, header.stamp.nanosec);
                 let frame = LiveFrame { name: Some(name), ..LiveFrame::new(depth, world_from_camera) };
@@ -197,12 +197,12 @@ impl Worker {
     }
 
     /// Plans if needed, and saves a scan that is over.
-    fn show(&mut self, has_changed: bool) -> Result<(Vec<Output>, State), Faults> {
+    fn show(&mut self, has_changed: bool) -> Result<(Vec<OutgoingMessage>, State), Faults> {
         let Some(scan) = &mut self.scan else { return Ok((Vec::new(), State::default())) };
         let next = scan.next()?;
         let outlook = next.as_ref().and_then(|next| next.outlook.as_ref());
         let state = State {
-            state: if next.is_some() { Stage::View } else { Stage::Finished },
+            state: if next.is_some() { ScanStage::View } else { ScanStage::Finished },
             frames: scan.scan().steps.len(),
             view: next.as_ref().and_then(|next| next.view),
             estimated_completeness: outlook.map(Outlook::completeness),

@@ -12,7 +12,7 @@ use crate::{Fault, Faults};
 use nextview::gain::Apora;
 use nextview::geometry::Aabb;
 use nextview::planner::{Batch, Greedy, MaxFlow, MostSurface};
-use nextview::sensor::SurfaceError;
+use nextview::sensor::SurfaceNoise;
 use nextview_recording::FARTHEST_POSITION;
 #[cfg(feature = "simulated")]
 use nextview_sim::inspection::SurfaceDemand;
@@ -190,7 +190,7 @@ fn of_goal(config: &ScanConfig) -> Option<Fault> {
     if !(goal > 0.0 && goal.is_finite()) {
         return Some(Fault::of_value("goal_mm", goal, "a positive number of millimetres"));
     }
-    let knows_error = config.surface_error() != SurfaceError::default();
+    let knows_error = config.surface_error() != SurfaceNoise::default();
     takes_second_looks(config, "goal_mm").or_else(|| {
         (!knows_error).then(|| {
             let fault = Fault::request("`goal_mm` requires a camera whose error is known")

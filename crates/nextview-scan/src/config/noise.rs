@@ -2,7 +2,7 @@ use super::millimetres::of_least_depth;
 use super::names::named;
 use crate::Fault;
 use nextview::sensor::DepthRange;
-use nextview_sim::noise::{DepthNoise, Noise, PoseError};
+use nextview_sim::noise::{SensorNoise, Noise, PoseError};
 use serde::{Deserialize, Serialize};
 
 /// Errors of the simulated camera. They have their own seed: planners with several seeds face the same
@@ -24,7 +24,7 @@ pub struct NoiseConfig {
     pub first_pose_is_right: bool,
     /// Parameters of the model, unless it is none. Defaults are those of the named sensor, if any.
     #[serde(deserialize_with = "DepthNoise::deserialize")]
-    pub depth: DepthNoise,
+    pub depth: SensorNoise,
 }
 
 named! {

@@ -49,10 +49,10 @@ turntable.table_from_camera.translation_m
 const TEXTS: [&str; 3] = ["object", "robot.base_link", "robot.tip_link"];
 
 /// All names that a key accepts.
-type Names = fn() -> Vec<&'static str>;
+type KeyNames = fn() -> Vec<&'static str>;
 
 /// Keys that accept only these names in a request; in a configuration, they also accept a file or a class.
-const NAMES: [(&str, Names); 4] = [
+const NAMES: [(&str, KeyNames); 4] = [
     ("planner", || PlannerName::ALL.iter().map(|planner| planner.name()).collect()),
     ("robot.arm", || presets::NAMES.to_vec()),
     ("sensor", || Sensor::ALL.iter().map(|sensor| sensor.name()).collect()),

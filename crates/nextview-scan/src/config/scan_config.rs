@@ -8,7 +8,7 @@ use nextview::map::{Background, RayRule, SensorModel};
 use nextview::motion::MotionConfig;
 use nextview::planner::{BatchConfig, GreedyConfig, MaxFlowConfig, MostSurfaceConfig};
 use nextview::registration::{RegistrationConfig, RegistrationMode};
-use nextview::sensor::{Intrinsics, SurfaceError};
+use nextview::sensor::{Intrinsics, SurfaceNoise};
 use nextview::session::{MultiResolutionConfig, StopConfig};
 use nextview::surface::LooksGoal;
 use nextview::visibility::FreeSpace;
@@ -395,12 +395,12 @@ impl ScanConfig {
     }
 
     /// The random error of the camera, as far as it is configured.
-    pub fn surface_error(&self) -> SurfaceError {
+    pub fn surface_error(&self) -> SurfaceNoise {
         #[cfg(feature = "simulated")]
         if let Some(depth) = self.noise.noise().depth {
             return depth.surface_error();
         }
-        SurfaceError::default()
+        SurfaceNoise::default()
     }
 
     /// The configured distance of candidates from the middle of an object with this box, in metres.

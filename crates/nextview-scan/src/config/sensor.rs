@@ -4,7 +4,7 @@ use super::load::read_over;
 use super::{NoiseConfig, NoiseModel, Positions, ScanConfig, SensorName, read_value};
 use crate::{Fault, Faults, files};
 use nextview::sensor::{Intrinsics, Sensor};
-use nextview_sim::noise::DepthNoise;
+use nextview_sim::noise::SensorNoise;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use toml::Table;
@@ -15,7 +15,7 @@ const MAX_BYTES: u64 = 1 << 16;
 impl ScanConfig {
     /// Sets optics, range and noise to those of the sensor. Fails if there is no such sensor.
     pub fn set_sensor(&mut self, name: SensorName) -> Result<(), Faults> {
-        let camera = Camera::load(&name)?;
+        let camera = SensorOptics::load(&name)?;
         self.sensor = Some(name);
         self.camera = camera.intrinsics;
         self.noise.model = NoiseModel::Sensor;
@@ -52,12 +52,12 @@ impl ScanConfig {
 }
 
 /// Optics and depth noise of a sensor.
-struct Camera {
+struct SensorOptics {
     intrinsics: Intrinsics,
-    depth: DepthNoise,
+    depth: SensorNoise,
 }
 
-impl Camera {
+impl SensorOptics {
     /// Fails if there is no such sensor, or the file does not describe one.
     fn load(name: &SensorName) -> Result<Self, Faults> {
         match name.file() {
@@ -75,7 +75,7 @@ impl Camera {
     }
 
     fn of(sensor: Sensor) -> Self {
-        Self { intrinsics: sensor.intrinsics(), depth: DepthNoise::of(sensor) }
+        Self { intrinsics: sensor.intrinsics(), depth: SensorNoise::of(sensor) }
     }
 }
 
@@ -85,17 +85,17 @@ impl Camera {
 struct SensorFile {
     like: String,
     camera: Intrinsics,
-    noise: Noise,
+    noise: NoiseSection,
 }
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Noise {
+struct NoiseSection {
     #[serde(deserialize_with = "DepthNoise::deserialize")]
-    depth: DepthNoise,
+    depth: SensorNoise,
 }
 
-fn of_text(text: &str, file: &Path) -> Result<Camera, Faults> {
+fn of_text(text: &str, file: &Path) -> Result<SensorOptics, Faults> {
     let (positions, mut table) = Positions::read(text, Some(file))?;
     let placed = |fault| positions.place(fault, "");
     let like = table.get("like").ok_or_else(|| {
@@ -104,8 +104,8 @@ fn of_text(text: &str, file: &Path) -> Result<Camera, Faults> {
     });
     let like: String = like.and_then(|like| read_value("like", like)).map_err(placed)?;
     let sensor: Sensor = like.parse().map_err(|error| placed(of_like(error)))?;
-    let Camera { intrinsics, depth } = Camera::of(sensor);
-    let base = SensorFile { like, camera: intrinsics, noise: Noise { depth } };
+    let SensorOptics { intrinsics, depth } = SensorOptics::of(sensor);
+    let base = SensorFile { like, camera: intrinsics, noise: NoiseSection { depth } };
     let base = Table::try_from(base).map_err(Fault::data)?;
     let mut faults = Vec::new();
     let out_of_range = |file: &SensorFile| {
@@ -114,7 +114,7 @@ fn of_text(text: &str, file: &Path) -> Result<Camera, Faults> {
     let read = read_over(&base, &mut table, out_of_range, &mut faults);
     match read {
         Some(SensorFile { camera, noise, .. }) if faults.is_empty() => {
-            Ok(Camera { intrinsics: camera, depth: noise.depth })
+            Ok(SensorOptics { intrinsics: camera, depth: noise.depth })
         }
         _ => Err(Faults::of(faults.into_iter().map(placed).collect()).expect("what is not read is at fault")),
     }

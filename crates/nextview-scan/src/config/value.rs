@@ -19,17 +19,17 @@ pub fn read_value<T: DeserializeOwned>(key: &str, value: &Value) -> Result<T, Fa
 }
 
 /// Reads a value.
-pub(super) fn read<T: DeserializeOwned>(value: &Value) -> Result<T, Problem> {
+pub(super) fn read<T: DeserializeOwned>(value: &Value) -> Result<T, Mismatch> {
     read_by(PhantomData, value)
 }
 
-fn read_by<'de, T: DeserializeSeed<'de>>(seed: T, value: &Value) -> Result<T::Value, Problem> {
-    seed.deserialize(Node(value)).map_err(|problem| problem.of(value))
+fn read_by<'de, T: DeserializeSeed<'de>>(seed: T, value: &Value) -> Result<T::Value, Mismatch> {
+    seed.deserialize(OpenValue(value)).map_err(|problem| problem.of(value))
 }
 
 /// The first mismatch.
 #[derive(Clone, Debug)]
-pub(super) struct Problem {
+pub(super) struct Mismatch {
     /// Path of keys and list indices to it, innermost first.
     path: Vec<String>,
     pub what: What,
@@ -47,7 +47,7 @@ pub(super) enum What {
     Other(String),
 }
 
-impl Problem {
+impl Mismatch {
     fn new(what: What) -> Self {
         Self { path: Vec::new(), what }
     }
@@ -108,15 +108,15 @@ fn dotted(path: &[String]) -> String {
     path.iter().rev().map(String::as_str).collect::<Vec<_>>().join(".")
 }
 
-impl fmt::Display for Problem {
+impl fmt::Display for Mismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.fault().fmt(f)
     }
 }
 
-impl std::error::Error for Problem {}
+impl std::error::Error for Mismatch {}
 
-impl de::Error for Problem {
+impl de::Error for Mismatch {
     fn custom<T: fmt::Display>(message: T) -> Self {
         Self::new(What::Other(message.to_string()))
     }
@@ -187,12 +187,12 @@ fn shown(value: &Value) -> String {
 }
 
 /// A value being read.
-struct Node<'a>(&'a Value);
+struct OpenValue<'a>(&'a Value);
 
-impl<'de> Deserializer<'de> for Node<'_> {
-    type Error = Problem;
+impl<'de> Deserializer<'de> for OpenValue<'_> {
+    type Error = Mismatch;
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mismatch> {
         match self.0 {
             Value::String(text) => visitor.visit_str(text),
             Value::Integer(number) => visitor.visit_i64(*number),
@@ -200,17 +200,17 @@ impl<'de> Deserializer<'de> for Node<'_> {
             Value::Boolean(truth) => visitor.visit_bool(*truth),
             Value::Datetime(_) => Err(de::Error::invalid_type(Unexpected::Other("date"), &visitor)),
             Value::Array(values) => {
-                let mut list = List(values.iter().enumerate());
+                let mut list = ValueList(values.iter().enumerate());
                 visitor.visit_seq(&mut list).and_then(|read| match list.0.len() {
                     0 => Ok(read),
-                    left => Err(Problem::unfit(format!("a list of {}", values.len() - left))),
+                    left => Err(Mismatch::unfit(format!("a list of {}", values.len() - left))),
                 })
             }
             Value::Table(table) => visitor.visit_map(Keys { entries: table.iter(), open: None }),
         }
     }
 
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mismatch> {
         visitor.visit_some(self)
     }
 
@@ -218,7 +218,7 @@ impl<'de> Deserializer<'de> for Node<'_> {
         self,
         _: &'static str,
         visitor: V,
-    ) -> Result<V::Value, Problem> {
+    ) -> Result<V::Value, Mismatch> {
         visitor.visit_newtype_struct(self)
     }
 
@@ -227,7 +227,7 @@ impl<'de> Deserializer<'de> for Node<'_> {
         _: &'static str,
         names: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, Problem> {
+    ) -> Result<V::Value, Mismatch> {
         match self.0 {
             Value::String(name) => visitor.visit_enum(name.as_str().into_deserializer()),
             Value::Table(table) if table.len() == 1 => {
@@ -243,7 +243,7 @@ impl<'de> Deserializer<'de> for Node<'_> {
         _: &'static str,
         _: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, Problem> {
+    ) -> Result<V::Value, Mismatch> {
         match self.0 {
             // A struct could be read from a list of its fields, but no configuration is written that way.
             Value::Array(_) => Err(de::Error::invalid_type(Unexpected::Seq, &visitor)),
@@ -257,12 +257,12 @@ impl<'de> Deserializer<'de> for Node<'_> {
     }
 }
 
-struct List<'a>(Enumerate<slice::Iter<'a, Value>>);
+struct ValueList<'a>(Enumerate<slice::Iter<'a, Value>>);
 
-impl<'de> SeqAccess<'de> for &mut List<'_> {
-    type Error = Problem;
+impl<'de> SeqAccess<'de> for &mut ValueList<'_> {
+    type Error = Mismatch;
 
-    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Problem> {
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Mismatch> {
         let Some((place, value)) = self.0.next() else { return Ok(None) };
         read_by(seed, value).map(Some).map_err(|problem| problem.under(place.to_string()))
     }
@@ -279,14 +279,14 @@ struct Keys<'a> {
 }
 
 impl<'de> MapAccess<'de> for Keys<'_> {
-    type Error = Problem;
+    type Error = Mismatch;
 
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Problem> {
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Mismatch> {
         self.open = self.entries.next();
         self.open.map(|(key, _)| seed.deserialize(key.as_str().into_deserializer())).transpose()
     }
 
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Problem> {
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Mismatch> {
         let (key, value) = self.open.take().expect("a key comes before its value");
         read_by(seed, value).map_err(|problem| problem.under(key))
     }

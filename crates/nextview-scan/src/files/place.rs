@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// What the path of an open file leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Whereabouts {
+pub(crate) enum PathTarget {
     /// The file.
     There,
     /// Another file.
@@ -18,14 +18,14 @@ pub(crate) enum Whereabouts {
 }
 
 /// What the path leads to through which the file was opened.
-pub(crate) fn whereabouts(path: &Path, file: &File) -> io::Result<Whereabouts> {
+pub(crate) fn path_target(path: &Path, file: &File) -> io::Result<PathTarget> {
     let own = file.metadata()?;
     let is_named = n_names(&own) > 0;
     match fs::metadata(path) {
-        Ok(there) if is_same(&there, &own) => Ok(Whereabouts::There),
-        Ok(_) => Ok(Whereabouts::Replaced),
+        Ok(there) if is_same(&there, &own) => Ok(PathTarget::There),
+        Ok(_) => Ok(PathTarget::Replaced),
         Err(error) if !matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Err(error),
-        Err(_) => Ok(if is_named { Whereabouts::Moved } else { Whereabouts::Removed }),
+        Err(_) => Ok(if is_named { PathTarget::Moved } else { PathTarget::Removed }),
     }
 }
 
@@ -99,21 +99,21 @@ mod tests {
         name_new(&beside, &path).unwrap();
         assert!(!beside.exists());
         let file = File::open(&path).unwrap();
-        let now = || whereabouts(&path, &file).unwrap();
-        assert_eq!(now(), Whereabouts::There);
+        let now = || path_target(&path, &file).unwrap();
+        assert_eq!(now(), PathTarget::There);
         fs::rename(folder.join("a"), folder.join("c")).unwrap();
-        assert_eq!(now(), Whereabouts::Moved);
+        assert_eq!(now(), PathTarget::Moved);
         fs::create_dir_all(&inner).unwrap();
         fs::copy(folder.join("c/b/file"), &path).unwrap();
-        assert_eq!(now(), Whereabouts::Replaced);
+        assert_eq!(now(), PathTarget::Replaced);
         fs::remove_dir_all(folder.join("a")).unwrap();
         std::os::unix::fs::symlink("c", folder.join("a")).unwrap();
-        assert_eq!(now(), Whereabouts::There);
+        assert_eq!(now(), PathTarget::There);
         fs::write(&beside, "other").unwrap();
         assert_eq!(name_new(&beside, &path).unwrap_err().kind(), ErrorKind::AlreadyExists);
         assert_eq!(fs::read(&path).unwrap(), b"whole");
         fs::remove_file(&path).unwrap();
-        assert_eq!(now(), Whereabouts::Removed);
+        assert_eq!(now(), PathTarget::Removed);
         fs::remove_dir_all(&folder).unwrap();
     }
 }

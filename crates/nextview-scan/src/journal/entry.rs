@@ -20,7 +20,7 @@ pub(super) enum Entry<'a> {
 #[serde(rename_all = "kebab-case")]
 enum Head {
     /// A frame without its image, which follows.
-    Frame(About),
+    Frame(FrameEntry),
     /// A view that must not be proposed again.
     Skip(SkippedView),
 }
@@ -28,7 +28,7 @@ enum Head {
 /// A frame without its image.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct About {
+struct FrameEntry {
     view: Option<usize>,
     was_asked: bool,
     world_from_camera: Pose,
@@ -54,7 +54,7 @@ impl Entry<'_> {
                 let mut images = compressed(frame.image());
                 let depth_bytes = color.as_ref().map(|_| images.len());
                 images.extend(color.iter().flat_map(compressed_color));
-                let about = About {
+                let about = FrameEntry {
                     view: *view,
                     was_asked: *was_asked,
                     depth_bytes,
@@ -91,7 +91,7 @@ pub(super) fn read_entry(bytes: &[u8]) -> Result<JournalEntry, String> {
     match serde_json::from_slice(head).map_err(|error| error.to_string())? {
         Head::Skip(skipped) => Ok(JournalEntry::Skip(skipped)),
         Head::Frame(about) => {
-            let About { view, was_asked, world_from_camera, range_m, intrinsics, depth_bytes, name } = about;
+            let FrameEntry { view, was_asked, world_from_camera, range_m, intrinsics, depth_bytes, name } = about;
             let cut = || "the entry ends within its depth".to_owned();
             let (depth, color) = match depth_bytes {
                 Some(length) => images.split_at_checked(length).map(|(a, b)| (a, Some(b))).ok_or_else(cut)?,

@@ -2,7 +2,7 @@ use super::entry::Entry;
 use super::kept::{JournalEntry, KeptFrame, SkippedView};
 use super::read::{self, MAGIC};
 use crate::Fault;
-use crate::files::{self, Whereabouts, name_new, sync_folder, unfinished, whereabouts};
+use crate::files::{self, PathTarget, name_new, sync_folder, unfinished, path_target};
 use std::fmt;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -132,18 +132,18 @@ impl Journal {
     }
 
     /// What the path of the journal leads to now.
-    pub(super) fn whereabouts(&self) -> io::Result<Whereabouts> {
-        whereabouts(&self.place, &self.file)
+    pub(super) fn path_target(&self) -> io::Result<PathTarget> {
+        path_target(&self.place, &self.file)
     }
 
     /// Fails if the path of the journal no longer leads to it: anything written to it would not be found.
     pub(super) fn check(&self) -> Result<(), Fault> {
-        let found = self.whereabouts().map_err(|error| Fault::from(error).in_file(&self.path))?;
+        let found = self.path_target().map_err(|error| Fault::from(error).in_file(&self.path))?;
         let (problem, remedy) = match found {
-            Whereabouts::There => return Ok(()),
-            Whereabouts::Replaced => ("it was replaced by another file", "restore the journal of this scan"),
-            Whereabouts::Moved => ("it was moved, or its folder was", "move it back"),
-            Whereabouts::Removed => (
+            PathTarget::There => return Ok(()),
+            PathTarget::Replaced => ("it was replaced by another file", "restore the journal of this scan"),
+            PathTarget::Moved => ("it was moved, or its folder was", "move it back"),
+            PathTarget::Removed => (
                 "it was removed, with all frames in it",
                 "start the scan again, and do not change its folder",
             ),

@@ -21,7 +21,7 @@ pub(super) fn framed(number: u64, payload: &[u8]) -> Vec<u8> {
 }
 
 /// The whole part of a journal.
-pub(super) struct Found {
+pub(super) struct ReadJournal {
     pub heading: String,
     pub entries: Vec<JournalEntry>,
     /// The offset of its end.
@@ -31,7 +31,7 @@ pub(super) struct Found {
 }
 
 /// Reads up to the first damaged entry, which must not be the heading.
-pub(super) fn read(bytes: &[u8]) -> Result<Found, Fault> {
+pub(super) fn read(bytes: &[u8]) -> Result<ReadJournal, Fault> {
     if !bytes.starts_with(MAGIC) {
         return Err(Fault::data("is not the journal of a scan: it does not begin with nvframes"));
     }
@@ -39,7 +39,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Found, Fault> {
     let heading = next(bytes, at, 0).and_then(|payload| Ok((payload.len(), read_heading(payload)?)));
     let (length, heading) = heading.map_err(|problem| Fault::data(format!("byte {at}: {problem}")))?;
     at += FRAMING + length;
-    let mut found = Found { heading, entries: Vec::new(), end: at, problem: None };
+    let mut found = ReadJournal { heading, entries: Vec::new(), end: at, problem: None };
     while found.end < bytes.len() {
         let number = 1 + found.entries.len() as u64;
         let entry =

@@ -1,6 +1,6 @@
 use super::file::{Damage, Journal, Kept};
 use super::kept::{JournalEntry, KeptFrame, SkippedView};
-use crate::files::{self, Whereabouts};
+use crate::files::{self, PathTarget};
 use crate::{Fault, Faults};
 use std::collections::VecDeque;
 use std::io;
@@ -158,8 +158,8 @@ impl ScanJournal {
     /// Fails if the folder belongs to another scan or has moved. If the journal is gone, the results are all
     /// that is left of the scan, and may be written.
     pub(crate) fn check_results(&self) -> Result<(), Fault> {
-        match self.journal.whereabouts() {
-            Ok(Whereabouts::Removed) => Ok(()),
+        match self.journal.path_target() {
+            Ok(PathTarget::Removed) => Ok(()),
             _ => self.journal.check(),
         }
     }
@@ -175,7 +175,7 @@ impl ScanJournal {
     }
 
     fn not_kept(&self, fault: Fault) -> Fault {
-        if !matches!(self.journal.whereabouts(), Ok(Whereabouts::There)) {
+        if !matches!(self.journal.path_target(), Ok(PathTarget::There)) {
             return fault;
         }
         let (dir, remedy) = (self.dir.display(), fault.remedy.clone().unwrap_or_default());

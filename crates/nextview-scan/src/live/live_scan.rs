@@ -1,8 +1,8 @@
 use super::fingerprint::fingerprint;
-use super::whereabouts::Whereabouts;
+use super::known_poses::KnownPoses;
 use crate::files::ResultFolder;
 use crate::{
-    Begin, Damage, Fault, Faults, FinishedScan, Interrupted, LiveFrame, Next, OwnCamera, Results, ScanConfig,
+    RunOptions, Damage, Fault, Faults, ScanState, Interrupted, LiveFrame, Next, OwnCamera, Results, ScanConfig,
     ScanJournal, ScanRun, StepRecord, TakenFrame, ViewRecord, write_results,
 };
 use nextview::Cancel;
@@ -46,7 +46,7 @@ pub struct LiveScan {
     damage: Option<Damage>,
     /// By step, the fingerprint of the frame as given.
     fingerprints: Vec<u64>,
-    pub(super) whereabouts: Whereabouts,
+    pub(super) poses: KnownPoses,
     /// Its journal is gone: a further frame would be in no file.
     is_closed: bool,
 }
@@ -94,10 +94,10 @@ impl LiveScan {
         journal: Option<ScanJournal>,
         cancel: Cancel,
     ) -> Result<Self, Faults> {
-        let begin = Begin { journal, cancel: cancel.clone() };
+        let begin = RunOptions { journal, cancel: cancel.clone() };
         let run = ScanRun::of_session(camera.session(&config)?, &config, begin)?;
-        let (damage, fingerprints, whereabouts, is_closed) = Default::default();
-        Ok(Self { camera, config, run, cancel, damage, fingerprints, whereabouts, is_closed })
+        let (damage, fingerprints, poses, is_closed) = Default::default();
+        Ok(Self { camera, config, run, cancel, damage, fingerprints, poses, is_closed })
     }
 
     /// The unreadable end of the journal when the scan was resumed: the frames there are lost.
@@ -117,7 +117,7 @@ impl LiveScan {
                 // The observation was cancelled after the frame had been kept.
                 Next::Replay(frame) => _ = self.push(frame.into())?,
                 Next::Capture(view) => {
-                    self.whereabouts.asked = Some(view.world_from_camera);
+                    self.poses.asked = Some(view.world_from_camera);
                     return Ok(Some(view));
                 }
                 Next::Stop(StopReason::Cancelled) => return Err(nextview::Cancelled.into()),
@@ -166,7 +166,7 @@ impl LiveScan {
     fn push(&mut self, taken: TakenFrame) -> Result<&StepRecord, Fault> {
         let (pose, image) = (taken.frame.world_from_camera(), taken.frame.image().clone());
         let step_idx = self.run.push(taken)?.step - 1;
-        self.whereabouts = Whereabouts::default();
+        self.poses = KnownPoses::default();
         let color = self.run.scan().color(step_idx)?;
         self.fingerprints.push(self.fingerprint(Some(&pose), &image, color.as_ref()));
         Ok(&self.run.steps()[step_idx])
@@ -252,7 +252,7 @@ impl LiveScan {
     }
 
     /// The scan in its current state: map, model, record.
-    pub fn scan(&self) -> &FinishedScan<'static> {
+    pub fn scan(&self) -> &ScanState<'static> {
         self.run.scan()
     }
 

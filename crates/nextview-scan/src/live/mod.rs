@@ -5,7 +5,7 @@ mod guidance;
 mod live_frame;
 mod live_scan;
 mod tracking;
-mod whereabouts;
+mod known_poses;
 
 pub use guidance::Guidance;
 pub use live_frame::LiveFrame;

@@ -1,6 +1,6 @@
 //! Tracking: the pose of a camera that does not know it, from the known surface.
 
-use super::whereabouts::Whereabouts;
+use super::known_poses::KnownPoses;
 use super::{Guidance, LiveScan};
 use crate::Fault;
 use nextview::geometry::Pose;
@@ -39,7 +39,7 @@ impl LiveScan {
         }
         let Some(last) = self.scan().steps.last() else { return self.first_pose() };
         let last = last.world_from_camera();
-        let Whereabouts { asked, located } = self.whereabouts;
+        let KnownPoses { asked, located } = self.poses;
         let mut best: Option<Registration> = None;
         let mut refused = None;
         for guess in [located, last, asked].into_iter().flatten() {
@@ -53,7 +53,7 @@ impl LiveScan {
         }
         match best {
             Some(found) => {
-                self.whereabouts.located = Some(found.world_from_camera);
+                self.poses.located = Some(found.world_from_camera);
                 Ok(found.world_from_camera)
             }
             None => Err(lost(refused)),

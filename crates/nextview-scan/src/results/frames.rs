@@ -1,6 +1,6 @@
 use super::frames_folder::FRAMES_FOLDER;
 use crate::files::ResultFolder;
-use crate::run::{FinishedScan, ModelFrames};
+use crate::run::{ScanState, ModelFrames};
 use crate::{Fault, Faults};
 use nextview_recording::{NumberedFrame, write_folder};
 use std::io::Write;
@@ -28,7 +28,7 @@ pub(super) fn check_replaceable(dir: &Path) -> Result<(), Faults> {
 
 /// Adds the frames of the map. A frame with unavailable colours is added without them, and the fault is
 /// reported.
-pub(super) fn add(folder: &mut ResultFolder, scan: &FinishedScan<'_>) -> Result<(), Fault> {
+pub(super) fn add(folder: &mut ResultFolder, scan: &ScanState<'_>) -> Result<(), Fault> {
     let ModelFrames { frames, n_earlier } = scan.model_frames()?;
     let steps = scan.session.frame_numbers();
     let numbers =

@@ -9,7 +9,7 @@ mod saved_model;
 
 use crate::files::{Overwrite, ResultFolder, numbered};
 use crate::journal::Occupant;
-use crate::run::{FinishedScan, Measured};
+use crate::run::{ScanState, Measured};
 use crate::{Fault, FaultKind, Faults, ScanConfig, ScanJournal, ScanRecord, StepRecord, short_name};
 use nextview::geometry::Pose;
 use nextview::map::Octree;
@@ -129,7 +129,7 @@ pub struct Results {
 pub fn write_results(
     folder: &mut ResultFolder,
     config: &ScanConfig,
-    scan: &FinishedScan<'_>,
+    scan: &ScanState<'_>,
 ) -> Result<Results, Fault> {
     let mut faults = Vec::new();
     let model = scan.model(config.model).map_err(|fault| faults.push(fault.within("cloud and mesh"))).ok();
@@ -167,7 +167,7 @@ pub fn write_results(
 ///
 /// # Errors
 /// If the scan has none of this name, or it cannot be made, such as a cloud before an object was found.
-pub fn result_file(name: &str, config: &ScanConfig, scan: &FinishedScan<'_>) -> Result<Vec<u8>, Fault> {
+pub fn result_file(name: &str, config: &ScanConfig, scan: &ScanState<'_>) -> Result<Vec<u8>, Fault> {
     let w = &mut Vec::new();
     let octree = || scan.session.map().to_octree().map(|octree| octree.pruned());
     match name {
@@ -210,7 +210,7 @@ fn write_views(writer: &mut Vec<u8>, steps: &[StepRecord]) -> Result<(), Fault> 
 }
 
 /// The trajectory from the preceding view to each view, with times since the camera set off there.
-fn write_waypoints(writer: &mut Vec<u8>, scan: &FinishedScan<'_>) -> Result<(), Fault> {
+fn write_waypoints(writer: &mut Vec<u8>, scan: &ScanState<'_>) -> Result<(), Fault> {
     let names = scan.joint_trajectories.iter().flatten().next().map_or(&[][..], |joints| &joints.names);
     write!(writer, "step,time_s,x_m,y_m,z_m,qx,qy,qz,qw")?;
     names.iter().try_for_each(|name| write!(writer, ",{}", quoted(name)))?;

@@ -22,28 +22,28 @@ const SAME_PLACE: f64 = 0.05;
 const COARSE: f64 = 0.02;
 
 /// The arm during a scan: its position and its possible moves.
-pub(super) struct Arm {
+pub(super) struct ScanArm {
     cell: RobotCell,
     /// The current joint values; `None` if unknown.
     values: Option<Vec<f64>>,
     /// By candidate, its reachability in the map after the last frame.
-    survey: Option<Survey>,
+    survey: Option<ArmSurvey>,
 }
 
-struct Survey {
+struct ArmSurvey {
     checker: Checker,
     solutions: Vec<Vec<Vec<f64>>>,
     times: Vec<Option<f64>>,
 }
 
 /// The motion to a view.
-pub(super) struct Way {
+pub(super) struct ArmMove {
     pub trajectory: Trajectory,
     /// Motion of a robot.
     pub joints: Option<JointTrajectory>,
 }
 
-impl Arm {
+impl ScanArm {
     /// The arm before the first view.
     pub fn of_config(config: &RobotConfig) -> Result<Self, Fault> {
         let values = (!config.home.is_empty()).then(|| config.home.clone());
@@ -64,7 +64,7 @@ impl Arm {
         Ok(self.survey.insert(survey).times.clone())
     }
 
-    fn look_around(&self, session: &Session) -> Result<Survey, Fault> {
+    fn look_around(&self, session: &Session) -> Result<ArmSurvey, Fault> {
         let checker = checker(&self.cell, session)?;
         let views = session.views();
         let free = |view: usize| match views.is_within_reach(view) && !session.visited().contains(&view) {
@@ -73,7 +73,7 @@ impl Arm {
         };
         let solutions: Vec<_> = (0..views.len()).map(free).collect();
         let times = solutions.iter().map(|values| self.time_to(values)).collect();
-        Ok(Survey { checker, solutions, times })
+        Ok(ArmSurvey { checker, solutions, times })
     }
 
     /// The time to the nearest of these values; 0 if the current ones are unknown.
@@ -89,7 +89,7 @@ impl Arm {
     ///
     /// Fails if the arm is in collision now, if it cannot reach a first view that is no candidate, or if
     /// cancelled.
-    pub fn way_to(&mut self, next: &NextView, session: &Session) -> Result<Option<Way>, Fault> {
+    pub fn way_to(&mut self, next: &NextView, session: &Session) -> Result<Option<ArmMove>, Fault> {
         self.times(session)?;
         let survey = self.survey.as_ref().expect("times makes a survey");
         let pose = &next.world_from_camera;
@@ -136,13 +136,13 @@ impl Arm {
         timed.into_iter().map(|(_, values)| values).take(MOST_GOALS).collect()
     }
 
-    fn way(&self, joints: JointTrajectory) -> Result<Way, Fault> {
+    fn way(&self, joints: JointTrajectory) -> Result<ArmMove, Fault> {
         let waypoint = |(time, values): &(f64, Vec<f64>)| Waypoint {
             time: *time,
             world_from_camera: self.cell.world_from_camera(values),
         };
         let trajectory = Trajectory::through(joints.points.iter().map(waypoint).collect())?;
-        Ok(Way { trajectory, joints: Some(joints) })
+        Ok(ArmMove { trajectory, joints: Some(joints) })
     }
 
     /// Records that a frame was taken at this stated pose. The arm is at the end of this motion or, if the

@@ -1,10 +1,10 @@
 //! The run: a scan from the first view to the last, pushed by the owner of the camera.
 
 mod arm;
-mod finished;
+mod scan_state;
 mod scan_run;
-mod stated;
+mod scan_facts;
 mod warning;
 
-pub use finished::{FinishedScan, Measured, ModelFrames};
-pub use scan_run::{Begin, Next, ScanRun, TakenFrame};
+pub use scan_state::{ScanState, Measured, ModelFrames};
+pub use scan_run::{RunOptions, Next, ScanRun, TakenFrame};

@@ -1,6 +1,6 @@
-use super::FinishedScan;
-use super::arm::{Arm, Way};
-use super::stated::Stated;
+use super::ScanState;
+use super::arm::{ScanArm, ArmMove};
+use super::scan_facts::ScanFacts;
 use super::warning::{POSES_AS_GIVEN, poses_are_wrong, warning};
 use crate::earlier_scan::EarlierScan;
 use crate::journal::{JournalEntry, KeptFrame, SkippedView};
@@ -54,15 +54,15 @@ const MOST_SUSPECTED: usize = 8;
 /// # Ok::<(), nextview_scan::Fault>(())
 /// ```
 pub struct ScanRun<'a> {
-    scan: FinishedScan<'a>,
+    scan: ScanState<'a>,
     /// Counted from the first decision.
     time_limit: Option<Duration>,
     /// Time of the first request for a decision.
     began: Option<Instant>,
     asked: Option<Asked>,
-    path: Path,
+    path: PathLength,
     turntable: Option<TurntableConfig>,
-    arm: Option<Arm>,
+    arm: Option<ScanArm>,
 }
 
 /// The next step of a run.
@@ -78,7 +78,7 @@ pub enum Next {
 
 /// Options to begin a run.
 #[derive(Default)]
-pub struct Begin {
+pub struct RunOptions {
     /// The journal for its frames; `None` to keep them in memory only.
     pub journal: Option<ScanJournal>,
     /// Flag that cancels long computations.
@@ -115,14 +115,14 @@ struct Asked {
 impl<'a> ScanRun<'a> {
     /// Creates a run of this session with a user's camera.
     pub fn new(session: Session) -> Self {
-        let scan = FinishedScan::new(session);
-        let path = Path::default();
+        let scan = ScanState::new(session);
+        let path = PathLength::default();
         let (turntable, arm) = (None, None);
         Self { scan, time_limit: None, began: None, asked: None, path, turntable, arm }
     }
 
     /// Begins the configured run with frames from this source.
-    pub fn begin(source: &'a dyn FrameSource, config: &ScanConfig, begin: Begin) -> Result<Self, Faults> {
+    pub fn begin(source: &'a dyn FrameSource, config: &ScanConfig, begin: RunOptions) -> Result<Self, Faults> {
         let mut run = Self::of_session(source.session(config)?, config, begin)?;
         run.scan.source = Some(source);
         run.scan.evaluator = Some(source.evaluator(config));
@@ -130,7 +130,7 @@ impl<'a> ScanRun<'a> {
     }
 
     /// The run of this session with a user's camera and the configured time limit.
-    pub(crate) fn of_session(session: Session, config: &ScanConfig, begin: Begin) -> Result<Self, Fault> {
+    pub(crate) fn of_session(session: Session, config: &ScanConfig, begin: RunOptions) -> Result<Self, Fault> {
         let earlier = config.after.as_deref().map(|dir| EarlierScan::open(dir, &begin.cancel)).transpose()?;
         let session = match &earlier {
             Some(earlier) => session.after(earlier.shown.clone()),
@@ -140,9 +140,9 @@ impl<'a> ScanRun<'a> {
         run.scan.earlier = earlier;
         run.time_limit = config.time_limit_s.map(Duration::try_from_secs_f64).and_then(Result::ok);
         run.scan.journal = begin.journal;
-        run.scan.stated = Stated::of(config);
+        run.scan.stated = ScanFacts::of(config);
         run.turntable = config.turntable;
-        run.arm = config.robot.as_ref().map(Arm::of_config).transpose()?;
+        run.arm = config.robot.as_ref().map(ScanArm::of_config).transpose()?;
         Ok(run)
     }
 
@@ -195,7 +195,7 @@ impl<'a> ScanRun<'a> {
     /// Keeps, maps and evaluates a frame in any pose. The requested view, if any, counts as visited. A
     /// [replayed](Next::Replay) frame has the colours and the name kept with it.
     ///
-    /// Fails before any change if the frame cannot be kept, or if [cancelled](Begin::cancel): the frame is
+    /// Fails before any change if the frame cannot be kept, or if [cancelled](RunOptions::cancel): the frame is
     /// then requested again, or [replayed](Next::Replay) from the journal.
     pub fn push(&mut self, taken: impl Into<TakenFrame>) -> Result<&StepRecord, Fault> {
         self.add(taken.into(), None)
@@ -301,17 +301,17 @@ impl<'a> ScanRun<'a> {
     }
 
     /// Returns the state of the run, ended for this reason; `None` to inspect it in progress.
-    pub fn finish(self, stop_reason: Option<StopReason>) -> FinishedScan<'a> {
-        FinishedScan { stop_reason, ..self.scan }
+    pub fn finish(self, stop_reason: Option<StopReason>) -> ScanState<'a> {
+        ScanState { stop_reason, ..self.scan }
     }
 
     /// The scan in its current state: its model and its record so far.
-    pub fn scan(&self) -> &FinishedScan<'a> {
+    pub fn scan(&self) -> &ScanState<'a> {
         &self.scan
     }
 
     /// Mutable access, to set the stop reason and to forget the journal.
-    pub(crate) fn scan_mut(&mut self) -> &mut FinishedScan<'a> {
+    pub(crate) fn scan_mut(&mut self) -> &mut ScanState<'a> {
         &mut self.scan
     }
 
@@ -342,8 +342,8 @@ impl<'a> ScanRun<'a> {
                 Decision::Stop(reason) => return Ok(Some(reason)),
                 Decision::Move(next) => next,
             };
-            let Way { trajectory, joints } = match &mut self.arm {
-                None => Way { trajectory: session.trajectory_to(&next.world_from_camera)?, joints: None },
+            let ArmMove { trajectory, joints } = match &mut self.arm {
+                None => ArmMove { trajectory: session.trajectory_to(&next.world_from_camera)?, joints: None },
                 Some(arm) => match arm.way_to(&next, session)? {
                     Some(way) => way,
                     None => continue,
@@ -457,12 +457,12 @@ fn is_same_place(a: &Frame, b: &Frame) -> bool {
 
 /// The length of a growing path.
 #[derive(Default)]
-struct Path {
+struct PathLength {
     length: f64,
     end: Option<DVec3>,
 }
 
-impl Path {
+impl PathLength {
     fn extend_to(&mut self, position: DVec3) -> f64 {
         self.length += self.end.map_or(0.0, |end| end.distance(position));
         self.end = Some(position);

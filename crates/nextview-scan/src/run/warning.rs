@@ -1,10 +1,10 @@
-use super::stated::Stated;
+use super::scan_facts::ScanFacts;
 use nextview::diagnosis::{Reading, Suspicion};
 use nextview::sensor::CameraAxes;
 use nextview_recording::{PoseDirection, ReadOptions};
 
 /// The suspicion and its remedy; for recorded frames, by configuration keys.
-pub(super) fn warning(suspicion: &Suspicion, stated: &Stated) -> String {
+pub(super) fn warning(suspicion: &Suspicion, stated: &ScanFacts) -> String {
     let remedy = match suspicion {
         Suspicion::Misread(reading) => match stated.read.as_ref().and_then(|read| of_key(*reading, read)) {
             Some(Advice::Try(value)) => format!("try {value}"),
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     fn of(suspicion: Suspicion, read: Option<ReadOptions>, has_table: bool) -> String {
-        warning(&suspicion, &Stated { read, section: Some("recording"), has_table })
+        warning(&suspicion, &ScanFacts { read, section: Some("recording"), has_table })
     }
 
     #[test]

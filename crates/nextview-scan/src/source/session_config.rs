@@ -2,7 +2,7 @@ use crate::{Fault, ScanConfig};
 use nextview::geometry::{Aabb, VoxelBlock};
 use nextview::object::{ObjectBox, Table};
 use nextview::registration::RegistrationConfig;
-use nextview::sensor::{DepthRange, SurfaceError};
+use nextview::sensor::{DepthRange, SurfaceNoise};
 use nextview::session::SessionConfig;
 
 /// Voxel size in metres if the box grows: the object's size is unknown when the voxels are chosen, and this
@@ -27,7 +27,7 @@ pub(super) fn session_config(
         first_view: config.first_view,
         depth_range: DepthRange::default(),
         surface_error: config.surface_error(),
-        planned_error: SurfaceError::default(),
+        planned_error: SurfaceNoise::default(),
         goal: config.goal_mm.map(|goal| goal / 1e3),
         looks: config.looks,
         sensor_model: config.map.sensor_model,

@@ -4,7 +4,7 @@ use nextview::sensor::Sensor;
 use nextview_scan::{
     Faults, LiveConfig, NoiseModel, Profile, RobotConfig, ScanConfig, SensorName, SourceConfig,
 };
-use nextview_sim::noise::DepthNoise;
+use nextview_sim::noise::SensorNoise;
 use std::path::Path;
 
 fn parse(text: &str) -> Result<ScanConfig, Faults> {
@@ -338,13 +338,13 @@ fn a_check_opens_no_files() {
 fn a_sensor_decides_optics_range_and_noise() {
     let text = "sensor = \"d405\"\n[camera]\nwidth = 640\n[noise.depth]\ncorrelated_share = 0\n";
     let config = parse(text).unwrap();
-    let depth = DepthNoise { correlated_share: 0.0, ..DepthNoise::of(Sensor::D405) };
+    let depth = SensorNoise { correlated_share: 0.0, ..SensorNoise::of(Sensor::D405) };
     assert_eq!((config.noise.model, config.noise.depth), (NoiseModel::Sensor, depth));
     assert_eq!((config.camera.width(), config.camera.height()), (640, 480));
     assert_eq!(config.camera.focal(), Sensor::D405.intrinsics().focal());
     assert_eq!(config.noise.depth_range(), Sensor::D405.depth_range());
     assert_eq!(parse("sensor = \"l515\"\n[noise]\nmodel = \"none\"\n").unwrap().noise.noise().depth, None);
-    assert_eq!(parse("[noise]\nmodel = \"d435i\"\n").unwrap().noise.depth, DepthNoise::d435i());
+    assert_eq!(parse("[noise]\nmodel = \"d435i\"\n").unwrap().noise.depth, SensorNoise::d435i());
 }
 
 #[test]
@@ -368,7 +368,7 @@ fn a_sensor_of_ones_own_differs_from_one_that_there_is() {
         parse(&format!("sensor = '{}'\n", file.display()))
     };
     let own = read("like = \"l515\"\n[camera]\nwidth = 512\n[noise.depth]\nmax_depth_m = 2\n").unwrap();
-    let depth = DepthNoise { max_depth: 2.0, ..DepthNoise::of(Sensor::L515) };
+    let depth = SensorNoise { max_depth: 2.0, ..SensorNoise::of(Sensor::L515) };
     assert_eq!((own.camera.width(), own.noise.depth), (512, depth));
     assert!(own.inputs().contains(&file));
     for (text, expected) in [

@@ -5,7 +5,7 @@ use glam::DVec3;
 use nextview::map::Octree;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    Begin, BoxRule, FinishedScan, MapSummary, ObjectBoxConfig, Results, ScanConfig, ScanRecord, ScanRun,
+    RunOptions, BoxRule, ScanState, MapSummary, ObjectBoxConfig, Results, ScanConfig, ScanRecord, ScanRun,
     SimulatedObject, Simulation, begin_results, write_results,
 };
 use std::fmt::Write as _;
@@ -33,10 +33,10 @@ fn write_balls(path: &Path, balls: &[(DVec3, f64)]) {
     std::fs::write(path, text).unwrap();
 }
 
-fn scanned<T>(config: &ScanConfig, with: impl FnOnce(&FinishedScan<'_>) -> T) -> (ScanRecord, T) {
+fn scanned<T>(config: &ScanConfig, with: impl FnOnce(&ScanState<'_>) -> T) -> (ScanRecord, T) {
     let object = SimulatedObject::new(config).unwrap();
     let simulation = Simulation::new(&object, config, None);
-    let mut run = ScanRun::begin(&simulation, config, Begin::default()).unwrap();
+    let mut run = ScanRun::begin(&simulation, config, RunOptions::default()).unwrap();
     let stop_reason = run.drive(|_| Ok(())).unwrap();
     let scan = run.finish(Some(stop_reason));
     let with = with(&scan);

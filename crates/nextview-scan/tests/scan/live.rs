@@ -9,7 +9,7 @@ use nextview::sensor::{ColorImage, Depth, DepthImage, Frame};
 use nextview::session::StopReason;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    Begin, BoxRule, FaultKind, FinishedScan, LiveConfig, LiveFrame, LiveScan, ObjectBoxConfig, PlannerName,
+    RunOptions, BoxRule, FaultKind, ScanState, LiveConfig, LiveFrame, LiveScan, ObjectBoxConfig, PlannerName,
     ScanConfig, ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, SourceConfig, TableRule,
     UnitName, begin_results, write_results,
 };
@@ -49,7 +49,7 @@ fn observe(scan: &mut LiveScan, object: &SimulatedObject, pose: &Pose) {
     scan.observe(LiveFrame::new(frame.image().clone(), frame.world_from_camera())).unwrap();
 }
 
-fn files_of(dir: &Path, scan: &FinishedScan<'_>, config: &ScanConfig) -> ScanRecord {
+fn files_of(dir: &Path, scan: &ScanState<'_>, config: &ScanConfig) -> ScanRecord {
     let mut folder = begin_results(dir, Overwrite::nothing()).unwrap();
     let results = write_results(&mut folder, config, scan).unwrap();
     assert_eq!(results.faults, None);
@@ -64,7 +64,7 @@ fn an_outsider_scans_as_the_simulated_source_does() {
         let config = config(planner);
         let object = SimulatedObject::new(&config).unwrap();
         let simulation = Simulation::new(&object, &config, None);
-        let mut run = ScanRun::begin(&simulation, &config, Begin::default()).unwrap();
+        let mut run = ScanRun::begin(&simulation, &config, RunOptions::default()).unwrap();
         let reason = run.drive(|_| Ok(())).unwrap();
         let expected = files_of(&folder.path("simulated"), &run.finish(Some(reason)), &config);
 

@@ -6,7 +6,7 @@ use nextview::geometry::Pose;
 use nextview::session::StopConfig;
 use nextview_model::SurfaceMesh;
 use nextview_scan::{
-    Begin, BoxRule, FrameSource, Measured, NoiseConfig, NoiseModel, PlannerName, ScanConfig, ScanRecord,
+    RunOptions, BoxRule, FrameSource, Measured, NoiseConfig, NoiseModel, PlannerName, ScanConfig, ScanRecord,
     ScanRun, SimulatedObject, Simulation, TableRule, Truth,
 };
 use nextview_sim::mesh::sample_surface;
@@ -27,7 +27,7 @@ fn record(config: &ScanConfig) -> ScanRecord {
     let object = SimulatedObject::new(config).unwrap();
     let truth = config.baselines.then(|| Truth::new(&object, &Cancel::default(), || ()).unwrap());
     let simulation = Simulation::new(&object, config, truth.as_ref());
-    let mut run = ScanRun::begin(&simulation, config, Begin::default()).unwrap();
+    let mut run = ScanRun::begin(&simulation, config, RunOptions::default()).unwrap();
     let stop_reason = run.drive(|_| Ok(())).unwrap();
     let scan = run.finish(Some(stop_reason));
     let model = scan.model(config.model).unwrap();

@@ -3,7 +3,7 @@
 use nextview::Cancel;
 use nextview::surface::LooksGoal;
 use nextview_scan::{
-    Begin, FinalModel, LiveScan, Measured, ModelConfig, PlannerName, ScanConfig, ScanRecord, ScanRun,
+    RunOptions, FinalModel, LiveScan, Measured, ModelConfig, PlannerName, ScanConfig, ScanRecord, ScanRun,
     SensorName, SimulatedObject, Simulation,
 };
 
@@ -17,7 +17,7 @@ fn config(sensor: &str) -> ScanConfig {
 fn scan(config: &ScanConfig) -> (ScanRecord, FinalModel, Vec<f64>) {
     let object = SimulatedObject::new(config).unwrap();
     let simulation = Simulation::new(&object, config, None);
-    let mut run = ScanRun::begin(&simulation, config, Begin::default()).unwrap();
+    let mut run = ScanRun::begin(&simulation, config, RunOptions::default()).unwrap();
     let stop_reason = run.drive(|_| Ok(())).unwrap();
     let scan = run.finish(Some(stop_reason));
     let model = scan.model(ModelConfig::default()).unwrap();

@@ -6,7 +6,7 @@ use nextview::Cancel;
 use nextview::geometry::Pose;
 use nextview::session::StopReason;
 use nextview_scan::{
-    Begin, FrameSource, Next, ObjectBoxConfig, RobotConfig, ScanConfig, ScanRun, SimulatedObject, Simulation,
+    RunOptions, FrameSource, Next, ObjectBoxConfig, RobotConfig, ScanConfig, ScanRun, SimulatedObject, Simulation,
     TableRule, result_file,
 };
 
@@ -37,7 +37,7 @@ fn the_camera_is_where_the_joints_hold_it() {
     assert!(object.views.len() < 60, "{} within reach", object.views.len());
     assert!(object.notes().iter().any(|note| note.contains("the robot can hold the camera at")));
     let source = Simulation::new(&object, &config, None);
-    let mut run = ScanRun::begin(&source, &config, Begin::default()).unwrap();
+    let mut run = ScanRun::begin(&source, &config, RunOptions::default()).unwrap();
     let reason = run.drive(|_| Ok(())).unwrap();
     assert_eq!((reason, run.steps().len()), (StopReason::ViewLimit, 4));
     let scan = run.finish(Some(reason));
@@ -71,11 +71,11 @@ fn the_same_scan_after_an_interruption() {
         run.steps().iter().map(|step| (step.view, step.joint_values.clone())).collect()
     };
     let journal = || Some(nextview_scan::ScanJournal::begin(&folder.path("scan"), "").unwrap());
-    let mut whole = ScanRun::begin(&source, &config, Begin::default()).unwrap();
+    let mut whole = ScanRun::begin(&source, &config, RunOptions::default()).unwrap();
     whole.drive(|_| Ok(())).unwrap();
 
     let mut run =
-        ScanRun::begin(&source, &config, Begin { journal: journal(), cancel: Cancel::default() }).unwrap();
+        ScanRun::begin(&source, &config, RunOptions { journal: journal(), cancel: Cancel::default() }).unwrap();
     let cancel = run.session().cancel().clone();
     let mut n = 0;
     run.drive(|_| {
@@ -88,7 +88,7 @@ fn the_same_scan_after_an_interruption() {
     .unwrap();
     drop(run);
     let journal = nextview_scan::ScanJournal::resume(&folder.path("scan")).unwrap().journal;
-    let begin = Begin { journal: Some(journal), cancel: Cancel::default() };
+    let begin = RunOptions { journal: Some(journal), cancel: Cancel::default() };
     let mut resumed = ScanRun::begin(&source, &config, begin).unwrap();
     resumed.drive(|_| Ok(())).unwrap();
     assert_eq!(views(&resumed), views(&whole));
@@ -101,7 +101,7 @@ fn the_arm_is_where_the_frame_was_taken() {
     let cell = config.robot.as_ref().unwrap().cell().unwrap();
     let object = SimulatedObject::new(&config).unwrap();
     let source = Simulation::new(&object, &config, None);
-    let mut run = ScanRun::begin(&source, &config, Begin::default()).unwrap();
+    let mut run = ScanRun::begin(&source, &config, RunOptions::default()).unwrap();
     let Next::Capture(mut view) = run.next().unwrap() else { panic!("begins") };
     let far = |pose: &&Pose| pose.translation().distance(view.world_from_camera.translation()) > 0.2;
     let elsewhere = *object.views.poses().iter().find(far).unwrap();

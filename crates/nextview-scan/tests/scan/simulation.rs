@@ -9,7 +9,7 @@ use nextview::sensor::ColorImage;
 use nextview::session::{NextView, Session};
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    Begin, Captured, Evaluator, Fault, Faults, FinishedScan, FrameSource, Measured, Next, NoiseModel,
+    RunOptions, Captured, Evaluator, Fault, Faults, ScanState, FrameSource, Measured, Next, NoiseModel,
     PlannerName, Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, SizeOf, StepRecord,
     TableRule, Truth, ViewSpaceName, begin_results, write_results,
 };
@@ -25,8 +25,8 @@ fn config() -> ScanConfig {
     }
 }
 
-fn scanned<'a>(source: &'a dyn FrameSource, config: &ScanConfig) -> FinishedScan<'a> {
-    let mut run = ScanRun::begin(source, config, Begin::default()).unwrap();
+fn scanned<'a>(source: &'a dyn FrameSource, config: &ScanConfig) -> ScanState<'a> {
+    let mut run = ScanRun::begin(source, config, RunOptions::default()).unwrap();
     let stop_reason = run.drive(|_| Ok(())).unwrap();
     run.finish(Some(stop_reason))
 }
@@ -98,7 +98,7 @@ fn a_scan_under_way_has_a_record() {
     let config = ScanConfig { baselines: false, ..config() };
     let object = SimulatedObject::new(&config).unwrap();
     let simulation = Simulation::new(&object, &config, None);
-    let run = ScanRun::begin(&simulation, &config, Begin::default()).unwrap();
+    let run = ScanRun::begin(&simulation, &config, RunOptions::default()).unwrap();
     let record = run.finish(None).record(&config, Measured::CloudOnly).unwrap();
     assert_eq!((record.stop_reason, record.views, record.cloud()), (None, 0, None));
 }
@@ -109,7 +109,7 @@ fn pushed_by_hand_it_is_the_same_as_driven() {
     let object = SimulatedObject::new(&config).unwrap();
     let (by_hand, driven) =
         (Simulation::new(&object, &config, None), Simulation::new(&object, &config, None));
-    let mut run = ScanRun::begin(&by_hand, &config, Begin::default()).unwrap();
+    let mut run = ScanRun::begin(&by_hand, &config, RunOptions::default()).unwrap();
     while let Next::Capture(view) = run.next().unwrap() {
         let captured = by_hand.capture(&view, run.steps().is_empty()).unwrap();
         run.push(captured.frame).unwrap();
@@ -133,7 +133,7 @@ fn without_the_truth_there_is_no_clairvoyant_planner() {
     let config = ScanConfig { planner: PlannerName::Clairvoyant.into(), ..config() };
     let object = SimulatedObject::new(&config).unwrap();
     let simulation = Simulation::new(&object, &config, None);
-    let Err(faults) = ScanRun::begin(&simulation, &config, Begin::default()) else {
+    let Err(faults) = ScanRun::begin(&simulation, &config, RunOptions::default()) else {
         panic!("it needs the truth")
     };
     assert!(faults.to_string().contains("needs the true object"));

@@ -4,7 +4,7 @@ use crate::common::meshes;
 use glam::DVec3;
 use nextview_model::SurfaceMesh;
 use nextview_scan::{
-    Begin, BoxRule, FinalModel, Measured, ModelConfig, NoiseConfig, NoiseModel, ScanConfig, ScanRecord,
+    RunOptions, BoxRule, FinalModel, Measured, ModelConfig, NoiseConfig, NoiseModel, ScanConfig, ScanRecord,
     ScanRun, SimulatedObject, Simulation, TableRule,
 };
 use nextview_sim::mesh::{Unit, load};
@@ -30,7 +30,7 @@ fn config(object: String, size_m: f64) -> ScanConfig {
 fn scan(config: &ScanConfig) -> (ScanRecord, FinalModel) {
     let object = SimulatedObject::new(config).unwrap();
     let simulation = Simulation::new(&object, config, None);
-    let mut run = ScanRun::begin(&simulation, config, Begin::default()).unwrap();
+    let mut run = ScanRun::begin(&simulation, config, RunOptions::default()).unwrap();
     let stop_reason = run.drive(|_| Ok(())).unwrap();
     let scan = run.finish(Some(stop_reason));
     let model = scan.model(config.model).unwrap();

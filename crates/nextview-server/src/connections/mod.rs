@@ -17,7 +17,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use nextview_scan::Fault;
 use patient::Patient;
-use places::{Place, Places, Turn};
+use places::{HeldPlace, Places, ActingSide};
 use std::convert::Infallible;
 use std::future::Future;
 use std::panic::AssertUnwindSafe;
@@ -86,9 +86,9 @@ pub(crate) async fn accept(
 async fn answer(
     router: Router,
     request: hyper::Request<hyper::body::Incoming>,
-    place: Arc<Place>,
+    place: Arc<HeldPlace>,
 ) -> Result<Response<Body>, Infallible> {
-    place.turn(Turn::Server);
+    place.turn(ActingSide::Server);
     let request = request.map(|body| Body::new(Watched::request(body, place.clone())));
     use hyper::service::Service;
     let service = hyper_util::service::TowerToHyperService::new(router);
@@ -101,7 +101,7 @@ async fn answer(
             Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, fault).into_response()
         }
     };
-    place.turn(Turn::Server);
+    place.turn(ActingSide::Server);
     Ok(response.map(|body| Body::new(Watched::answer(body, place))))
 }
 

@@ -1,4 +1,4 @@
-use super::places::Place;
+use super::places::HeldPlace;
 use std::io;
 use std::pin::Pin;
 use std::sync::Arc;
@@ -15,11 +15,11 @@ pub(crate) struct Patient {
     patience: Duration,
     /// Timer since the client stopped accepting data; `None` while it accepts.
     waiting: Option<Pin<Box<Sleep>>>,
-    place: Arc<Place>,
+    place: Arc<HeldPlace>,
 }
 
 impl Patient {
-    pub fn new(stream: TcpStream, patience: Duration, place: Arc<Place>) -> Self {
+    pub fn new(stream: TcpStream, patience: Duration, place: Arc<HeldPlace>) -> Self {
         Self { stream, patience, waiting: None, place }
     }
 

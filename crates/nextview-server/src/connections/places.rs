@@ -17,18 +17,18 @@ pub(super) struct Places {
 #[derive(Default)]
 struct Taken {
     n_begun: u64,
-    places: BTreeMap<u64, Arc<State>>,
+    places: BTreeMap<u64, Arc<PlaceState>>,
 }
 
 /// State of a place.
-struct State {
+struct PlaceState {
     now: Mutex<Now>,
     gives_way: Notify,
 }
 
 #[derive(Clone, Copy)]
 struct Now {
-    turn: Turn,
+    turn: ActingSide,
     /// Start of the turn.
     since: Instant,
     /// Time since which the client accepts nothing of an answer; `None` while it accepts.
@@ -37,7 +37,7 @@ struct Now {
 
 /// The side that must act next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Turn {
+pub(super) enum ActingSide {
     /// The client must send a head.
     Head,
     /// The client must send a body.
@@ -47,10 +47,10 @@ pub(super) enum Turn {
 }
 
 /// The place of a connection, released on drop.
-pub(super) struct Place {
+pub(super) struct HeldPlace {
     all: Arc<Places>,
     number: u64,
-    state: Arc<State>,
+    state: Arc<PlaceState>,
 }
 
 impl Places {
@@ -59,17 +59,17 @@ impl Places {
     }
 
     /// Takes a place; `None` if all connections wait for the server.
-    pub fn take(self: &Arc<Self>) -> Option<Arc<Place>> {
+    pub fn take(self: &Arc<Self>) -> Option<Arc<HeldPlace>> {
         let mut taken = self.lock();
         if taken.places.len() >= self.most && !taken.give_way() {
             return None;
         }
         let number = taken.n_begun;
         taken.n_begun += 1;
-        let now = Now { turn: Turn::Head, since: Instant::now(), stuck_since: None };
-        let state = Arc::new(State { now: Mutex::new(now), gives_way: Notify::new() });
+        let now = Now { turn: ActingSide::Head, since: Instant::now(), stuck_since: None };
+        let state = Arc::new(PlaceState { now: Mutex::new(now), gives_way: Notify::new() });
         taken.places.insert(number, state.clone());
-        Some(Arc::new(Place { all: self.clone(), number, state }))
+        Some(Arc::new(HeldPlace { all: self.clone(), number, state }))
     }
 
     /// Frees a place, if the server is waiting for any client.
@@ -101,13 +101,13 @@ impl Taken {
     }
 }
 
-impl State {
+impl PlaceState {
     /// The event that the server waits for, and since when; `None` if it does not wait.
-    fn waits(&self) -> Option<(Turn, Instant)> {
+    fn waits(&self) -> Option<(ActingSide, Instant)> {
         let Now { turn, since, stuck_since } = *self.lock();
         match (turn, stuck_since) {
-            (_, Some(since)) => Some((Turn::Body, since)),
-            (Turn::Server, None) => None,
+            (_, Some(since)) => Some((ActingSide::Body, since)),
+            (ActingSide::Server, None) => None,
             (turn, None) => Some((turn, since)),
         }
     }
@@ -117,9 +117,9 @@ impl State {
     }
 }
 
-impl Place {
+impl HeldPlace {
     /// Starts this side's turn, unless it already has it.
-    pub fn turn(&self, turn: Turn) {
+    pub fn turn(&self, turn: ActingSide) {
         let mut now = self.state.lock();
         if now.turn != turn {
             (now.turn, now.since) = (turn, Instant::now());
@@ -138,7 +138,7 @@ impl Place {
     }
 }
 
-impl Drop for Place {
+impl Drop for HeldPlace {
     fn drop(&mut self) {
         self.all.lock().places.remove(&self.number);
     }
@@ -154,15 +154,15 @@ mod tests {
         let places = Places::new(3);
         let taken: Vec<_> = (0..3).map(|_| places.take().unwrap()).collect();
         let gone = |i: usize| taken[i].gives_way().now_or_never().is_some();
-        taken[0].turn(Turn::Server);
-        taken[1].turn(Turn::Body);
+        taken[0].turn(ActingSide::Server);
+        taken[1].turn(ActingSide::Body);
         taken.iter().for_each(|place| place.state.lock().since -= SLOW);
         let new = places.take().unwrap();
         assert!(gone(2) && !gone(0) && !gone(1), "a head is waited for");
-        new.turn(Turn::Server);
+        new.turn(ActingSide::Server);
         let newest = places.take().unwrap();
         assert!(gone(1) && !gone(0));
-        newest.turn(Turn::Server);
+        newest.turn(ActingSide::Server);
         assert!(places.take().is_none(), "all are served");
         taken[0].is_stuck(true);
         assert!(places.take().is_some() && gone(0), "it takes nothing of its answer");
@@ -174,10 +174,10 @@ mod tests {
     fn a_client_that_has_just_come_does_not_give_way_to_the_next() {
         let places = Places::new(2);
         let (stalled, new) = (places.take().unwrap(), places.take().unwrap());
-        stalled.turn(Turn::Body);
+        stalled.turn(ActingSide::Body);
         stalled.state.lock().since = new.state.lock().since - SLOW / 2;
         assert!(places.take().is_some());
-        let gone = |place: &Place| place.gives_way().now_or_never().is_some();
+        let gone = |place: &HeldPlace| place.gives_way().now_or_never().is_some();
         assert!(gone(&stalled) && !gone(&new), "none is slow, and the body was waited for longer");
     }
 }

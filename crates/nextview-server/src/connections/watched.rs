@@ -1,4 +1,4 @@
-use super::places::{Place, Turn};
+use super::places::{HeldPlace, ActingSide};
 use hyper::body::{Body, Frame, SizeHint};
 use std::pin::Pin;
 use std::sync::Arc;
@@ -8,18 +8,18 @@ use std::task::{Context, Poll};
 /// the end of an answer's body.
 pub(super) struct Watched<B> {
     inner: B,
-    place: Arc<Place>,
+    place: Arc<HeldPlace>,
     /// The turns while the body is awaited, and after its end.
-    turns: (Turn, Turn),
+    turns: (ActingSide, ActingSide),
 }
 
 impl<B> Watched<B> {
-    pub fn request(inner: B, place: Arc<Place>) -> Self {
-        Self { inner, place, turns: (Turn::Body, Turn::Server) }
+    pub fn request(inner: B, place: Arc<HeldPlace>) -> Self {
+        Self { inner, place, turns: (ActingSide::Body, ActingSide::Server) }
     }
 
-    pub fn answer(inner: B, place: Arc<Place>) -> Self {
-        Self { inner, place, turns: (Turn::Server, Turn::Head) }
+    pub fn answer(inner: B, place: Arc<HeldPlace>) -> Self {
+        Self { inner, place, turns: (ActingSide::Server, ActingSide::Head) }
     }
 }
 
@@ -36,7 +36,7 @@ impl<B: Body + Unpin> Body for Watched<B> {
             Poll::Pending => self.place.turn(self.turns.0),
             Poll::Ready(None) => self.place.turn(self.turns.1),
             // The wait for the rest begins anew.
-            Poll::Ready(Some(_)) => self.place.turn(Turn::Server),
+            Poll::Ready(Some(_)) => self.place.turn(ActingSide::Server),
         }
         polled
     }

@@ -19,12 +19,12 @@ pub(crate) enum DepthBytes {
     /// A PNG file.
     Png(Vec<u8>),
     /// Rows of little-endian numbers.
-    Raw(Shape, Vec<u8>),
+    Raw(ImageShape, Vec<u8>),
 }
 
 /// Size and data type of an image without a header.
 #[derive(Clone, Copy)]
-pub(crate) struct Shape {
+pub(crate) struct ImageShape {
     pub width: u32,
     pub height: u32,
     pub dtype: Dtype,
@@ -68,8 +68,8 @@ fn of_image(key: &str, error: &RecordingError) -> Refusal {
     Refusal::content(Fault { key: Some(key.to_owned()), ..fault })
 }
 
-fn raw(shape: Shape, bytes: &[u8], camera: &Intrinsics, scale: f64) -> Result<DepthImage, Refusal> {
-    let Shape { width, height, dtype } = shape;
+fn raw(shape: ImageShape, bytes: &[u8], camera: &Intrinsics, scale: f64) -> Result<DepthImage, Refusal> {
+    let ImageShape { width, height, dtype } = shape;
     let (wanted, given) = ((camera.width(), camera.height()), (width, height));
     if given != wanted {
         let expected = format!("{} x {} pixels, as the camera has", wanted.0, wanted.1);

@@ -1,5 +1,5 @@
 use super::head::{FrameHead, millimetre};
-use super::posted::{Dtype, Shape};
+use super::posted::{Dtype, ImageShape};
 use crate::refusal::Refusal;
 use nextview_scan::Fault;
 use schemars::JsonSchema;
@@ -34,8 +34,8 @@ impl FrameQuery {
         })
     }
 
-    pub fn shape(&self) -> Result<Shape, Refusal> {
-        Ok(Shape {
+    pub fn shape(&self) -> Result<ImageShape, Refusal> {
+        Ok(ImageShape {
             width: self.width.ok_or_else(|| missing("width", "a number of pixels"))?,
             height: self.height.ok_or_else(|| missing("height", "a number of pixels"))?,
             dtype: self.dtype.ok_or_else(|| missing("dtype", "u16 or f32"))?,

@@ -23,7 +23,7 @@ pub(super) fn routes() -> Vec<Route> {
 }
 
 /// A listener and the resources it holds.
-struct Listener {
+struct EventListener {
     scan: Arc<Scan>,
     stream: EventStream,
     is_closing: watch::Receiver<bool>,
@@ -42,7 +42,7 @@ async fn events(
     })?;
     let last = headers.get("last-event-id").and_then(|id| id.to_str().ok());
     let stream = scan.events.listen(last);
-    let listener = Listener { scan, stream, is_closing: app.is_closing.clone(), _place: place };
+    let listener = EventListener { scan, stream, is_closing: app.is_closing.clone(), _place: place };
     let events = stream::unfold(listener, |mut listener| async move {
         let told = tokio::select! {
             told = listener.scan.events.next(&mut listener.stream) => told,

@@ -14,7 +14,7 @@ pub(crate) struct Events {
     /// Number of all events.
     n_told: watch::Sender<u64>,
     /// Pose of the camera. It is only sent to current listeners, because it is soon outdated.
-    whereabouts: watch::Sender<Option<Passing>>,
+    passing: watch::Sender<Option<Passing>>,
 }
 
 /// An event that is not kept.
@@ -45,21 +45,21 @@ impl Told {
 pub(crate) struct EventStream {
     last: u64,
     n_told: watch::Receiver<u64>,
-    whereabouts: watch::Receiver<Option<Passing>>,
+    passing: watch::Receiver<Option<Passing>>,
     /// Whether it has missed events, which is reported first.
     has_gap: bool,
 }
 
 impl Events {
     pub fn new(run: String) -> Self {
-        let (n_told, whereabouts) = (watch::Sender::new(0), watch::Sender::new(None));
-        Self { run, kept: Mutex::default(), n_told, whereabouts }
+        let (n_told, passing) = (watch::Sender::new(0), watch::Sender::new(None));
+        Self { run, kept: Mutex::default(), n_told, passing }
     }
 
     /// Sends an event to current listeners; of several at once, only the last.
     pub fn pass(&self, name: &'static str, data: &impl Serialize) {
         let data = serde_json::to_string(data).expect("records are numbers and names");
-        self.whereabouts.send_replace(Some(Passing { name, data }));
+        self.passing.send_replace(Some(Passing { name, data }));
     }
 
     /// Sends an event to all listeners, including those that reconnect later.
@@ -77,9 +77,9 @@ impl Events {
 
     /// Listens from the event after this id; without one, from the current event.
     pub fn listen(&self, last_id: Option<&str>) -> EventStream {
-        let (n_told, whereabouts) = (self.n_told.subscribe(), self.whereabouts.subscribe());
+        let (n_told, passing) = (self.n_told.subscribe(), self.passing.subscribe());
         let newest = *n_told.borrow();
-        let stream = EventStream { last: newest, n_told, whereabouts, has_gap: false };
+        let stream = EventStream { last: newest, n_told, passing, has_gap: false };
         let Some(id) = last_id else { return stream };
         let number = id.split_once('-').filter(|(run, _)| *run == self.run).and_then(|(_, n)| n.parse().ok());
         let oldest = self.kept().front().map_or(1, |told| told.number);
@@ -112,8 +112,8 @@ impl Events {
             // The senders live as long as these events.
             tokio::select! {
                 _ = stream.n_told.changed() => (),
-                _ = stream.whereabouts.changed() => {
-                    let passing = stream.whereabouts.borrow_and_update().clone();
+                _ = stream.passing.changed() => {
+                    let passing = stream.passing.borrow_and_update().clone();
                     if let Some(Passing { name, data }) = passing {
                         return vec![Told { number: stream.last, name, data }];
                     }

@@ -2,7 +2,7 @@ use super::about::About;
 use super::creation::NewScan;
 use super::folder::ScansFolder;
 use super::scan::{Cores, Scan};
-use super::summary::{ScanState, ScanSummary};
+use super::summary::{ScanPhase, ScanSummary};
 use super::work::{DELETED, Work};
 use crate::Limits;
 use crate::access::random_hex;
@@ -39,11 +39,11 @@ pub(crate) struct Scans {
     /// Distinguishes the events of this process from those of an earlier one.
     run: String,
     cores: Cores,
-    scans: Mutex<BTreeMap<String, Entry>>,
+    scans: Mutex<BTreeMap<String, IdState>>,
 }
 
 /// The state of an id.
-struct Entry {
+struct IdState {
     /// The scan; `None` while it is being created.
     scan: Option<Arc<Scan>>,
     /// The id of the scan that it continues, which it needs until it is finished.
@@ -52,9 +52,9 @@ struct Entry {
     is_leaving: bool,
 }
 
-impl Entry {
+impl IdState {
     fn is_finished(&self) -> bool {
-        self.scan.as_ref().is_some_and(|scan| scan.summary().state == ScanState::Finished)
+        self.scan.as_ref().is_some_and(|scan| scan.summary().state == ScanPhase::Finished)
     }
 
     /// Whether it needs the files of this scan.
@@ -64,12 +64,12 @@ impl Entry {
 }
 
 /// An id reserved for a scan being created, and with it the scan that it continues.
-struct Place<'a> {
+struct ReservedId<'a> {
     scans: &'a Scans,
     id: &'a str,
 }
 
-impl Place<'_> {
+impl ReservedId<'_> {
     fn fill(self, scan: &Arc<Scan>) {
         if let Some(entry) = self.scans.lock().get_mut(self.id) {
             entry.scan = Some(scan.clone());
@@ -77,7 +77,7 @@ impl Place<'_> {
     }
 }
 
-impl Drop for Place<'_> {
+impl Drop for ReservedId<'_> {
     /// Releases the id if no scan was created, even after a panic.
     fn drop(&mut self) {
         let mut scans = self.scans.lock();
@@ -136,7 +136,7 @@ impl Scans {
 
     /// Opens the scan kept in a folder. Fails if it cannot be resumed because the scan that it continues is
     /// missing.
-    fn kept(&self, id: &str, dir: PathBuf) -> Result<Entry, Faults> {
+    fn kept(&self, id: &str, dir: PathBuf) -> Result<IdState, Faults> {
         let (about, config) = About::load(&dir)?;
         let work = Work::kept(dir, about);
         if !work.is_finished() {
@@ -145,7 +145,7 @@ impl Scans {
         let after = config.after.as_deref().and_then(|after| self.id_of(after));
         let shared = (self.cores.clone(), &self.limits);
         let scan = Scan::new(id.to_owned(), self.run.clone(), work, &config, shared);
-        Ok(Entry { scan: Some(Arc::new(scan)), after, is_leaving: false })
+        Ok(IdState { scan: Some(Arc::new(scan)), after, is_leaving: false })
     }
 
     /// The id of the scan in a folder, if it is one of these, for any form of its path.
@@ -200,13 +200,13 @@ impl Scans {
 
     /// Number of scans that are not finished.
     pub fn n_interrupted(&self) -> usize {
-        self.list().iter().filter(|scan| scan.state != ScanState::Finished).count()
+        self.list().iter().filter(|scan| scan.state != ScanPhase::Finished).count()
     }
 
     /// Resumes all interrupted scans, one after the other.
     pub async fn resume_all(&self) {
         for scan in self.all() {
-            if scan.summary().state != ScanState::Finished {
+            if scan.summary().state != ScanPhase::Finished {
                 // A fault is reported to the next request for the scan.
                 let _ = scan.with(|work| work.under_way().map(drop)).await;
             }
@@ -222,7 +222,7 @@ impl Scans {
     }
 
     /// Reserves an id, which prevents two scans in one folder, and protects the continued scan from deletion.
-    fn reserve<'a>(&'a self, id: &'a str, after: Option<&str>) -> Result<Place<'a>, Refusal> {
+    fn reserve<'a>(&'a self, id: &'a str, after: Option<&str>) -> Result<ReservedId<'a>, Refusal> {
         let mut scans = self.lock();
         let n_open = scans.values().filter(|entry| !entry.is_finished()).count();
         if scans.contains_key(id) || self.is_taken(id) {
@@ -239,8 +239,8 @@ impl Scans {
             return Err(Refusal::content(Fault::of_value("after", before, "the id of a finished scan")));
         }
         let after = after.map(str::to_owned);
-        scans.insert(id.to_owned(), Entry { scan: None, after, is_leaving: false });
-        Ok(Place { scans: self, id })
+        scans.insert(id.to_owned(), IdState { scan: None, after, is_leaving: false });
+        Ok(ReservedId { scans: self, id })
     }
 
     /// Whether the name is taken by anything, even a dangling link.
@@ -300,7 +300,7 @@ impl Scans {
         self.lock().values().filter_map(|entry| entry.scan.clone()).collect()
     }
 
-    fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Entry>> {
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<String, IdState>> {
         self.scans.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -22,7 +22,7 @@ pub(crate) struct Cores {
 }
 
 /// The content of a scan's page.
-pub(crate) enum Shown {
+pub(crate) enum PageContent {
     /// A copy from which the scene is made.
     UnderWay(Box<SceneSource>),
     /// The scene as JSON.
@@ -104,14 +104,14 @@ impl Scan {
     /// wait only for a copy.
     pub async fn scene(
         self: &Arc<Self>,
-        shown: impl FnOnce(&mut Work) -> Result<Shown, Refusal> + Send + 'static,
+        shown: impl FnOnce(&mut Work) -> Result<PageContent, Refusal> + Send + 'static,
         after: usize,
     ) -> Result<Vec<u8>, Refusal> {
         // In this order, to ensure that no scene is older than the one before.
         let mut kept = self.scene.clone().lock_owned().await;
         let source = match self.with(shown).await? {
-            Shown::UnderWay(source) => source,
-            Shown::Finished(json) => {
+            PageContent::UnderWay(source) => source,
+            PageContent::Finished(json) => {
                 *kept = LiveScene::default();
                 return Ok(json);
             }

@@ -9,7 +9,7 @@ pub(crate) struct ScanSummary {
     /// Name of the object.
     pub object: String,
     /// State of the scan.
-    pub state: ScanState,
+    pub state: ScanPhase,
     /// Number of frames; `None` until an interrupted scan is resumed.
     pub n_frames: Option<usize>,
     /// Time of creation: UTC, RFC 3339.
@@ -19,7 +19,7 @@ pub(crate) struct ScanSummary {
 /// State of a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum ScanState {
+pub(crate) enum ScanPhase {
     /// Accepts frames and returns views.
     Running,
     /// Accepts frames and returns no views.

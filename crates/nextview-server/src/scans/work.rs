@@ -1,6 +1,6 @@
 use super::about::About;
 use super::kept_page;
-use super::summary::ScanState;
+use super::summary::ScanPhase;
 use crate::access::random_hex;
 use crate::refusal::Refusal;
 use axum::http::StatusCode;
@@ -66,11 +66,11 @@ impl Work {
         self.phase == Phase::Finished
     }
 
-    pub fn state(&self) -> ScanState {
+    pub fn state(&self) -> ScanPhase {
         match (self.phase, self.about.is_paused) {
-            (Phase::UnderWay, true) => ScanState::Paused,
-            (Phase::UnderWay, false) => ScanState::Running,
-            _ => ScanState::Finished,
+            (Phase::UnderWay, true) => ScanPhase::Paused,
+            (Phase::UnderWay, false) => ScanPhase::Running,
+            _ => ScanPhase::Finished,
         }
     }
 

@@ -129,7 +129,7 @@ fn a_page_changes_nothing() {
 fn without_noise_so_are_those_of_the_program() {
     let robot = Robot::exact(N_VIEWS, 160);
     let (config, simulation) = robot.simulated();
-    let mut run = ScanRun::begin(&simulation, config, nextview_scan::Begin::default()).unwrap();
+    let mut run = ScanRun::begin(&simulation, config, nextview_scan::RunOptions::default()).unwrap();
     run.drive(|_| Ok(())).unwrap();
     let program: Vec<Value> = run.steps().iter().map(|step| json!(step.view)).collect();
     let map = result_file("map.ot", config, run.scan()).unwrap();

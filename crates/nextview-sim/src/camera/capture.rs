@@ -1,6 +1,6 @@
 use super::look::Look;
 use super::simulated_camera::SimulatedCamera;
-use crate::noise::{DepthNoise, Readings, Use, Waves};
+use crate::noise::{SensorNoise, Readings, Use, Waves};
 use nextview::Error;
 use nextview::geometry::Pose;
 use nextview::sensor::{DepthImage, Frame};
@@ -93,7 +93,7 @@ fn claimed(camera: &SimulatedCamera, world_from_camera: &Pose) -> Result<Pose, E
 
 fn readings(
     camera: &SimulatedCamera,
-    noise: &DepthNoise,
+    noise: &SensorNoise,
     exact: &[f32],
     world_from_camera: &Pose,
 ) -> Readings {

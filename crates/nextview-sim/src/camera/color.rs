@@ -79,7 +79,7 @@ impl SimulatedCamera {
     fn hits(&self, world_from_camera: &Pose) -> Vec<Option<Hit>> {
         let to_camera = ToCamera::new(world_from_camera);
         let samples: Vec<DVec2> = self.samples().ideal_points().collect();
-        let grid = Grid::new(&samples);
+        let grid = SampleGrid::new(&samples);
         let mut hits: Vec<Option<Hit>> = vec![None; samples.len()];
         for triangle in 0..self.mesh().triangles().len() {
             let corners = self.mesh().corners(triangle).map(|corner| to_camera.point(corner));
@@ -131,14 +131,14 @@ impl Facet {
 }
 
 /// The samples in cells of the plane z = 1: finds those in a box quickly for any lens.
-struct Grid {
+struct SampleGrid {
     low: DVec2,
     cell: DVec2,
     n: usize,
     cells: Vec<Vec<usize>>,
 }
 
-impl Grid {
+impl SampleGrid {
     fn new(samples: &[DVec2]) -> Self {
         let known = samples.iter().filter(|sample| sample.is_finite());
         let (low, high) =

@@ -1,6 +1,6 @@
 use super::chunk::{Chunk, LANES};
 use super::pixel_box::PixelBox;
-use super::samples::Samples;
+use super::samples::ImageSamples;
 
 /// The nearest surface found at every sample, and bounds for square image tiles, which quickly identify
 /// hidden parts (a two-level hierarchical z-buffer: Greene, Kass & Miller 1993).
@@ -14,7 +14,7 @@ pub(super) struct DepthBuffer {
 
 impl DepthBuffer {
     /// Creates a buffer without surfaces.
-    pub fn new(samples: &Samples) -> Self {
+    pub fn new(samples: &ImageSamples) -> Self {
         let chunks_in_row = samples.chunks_in_row();
         let n_tiles = chunks_in_row * samples.size()[1].div_ceil(LANES);
         Self { nearest: samples.blank().to_vec(), tiles: vec![0.0; n_tiles], chunks_in_row }
@@ -75,7 +75,7 @@ mod tests {
     fn hides_only_what_every_sample_hides() {
         let (width, height) = (43, 27);
         let camera = Intrinsics::pinhole(width, height, DVec2::splat(30.0), DVec2::splat(15.0)).unwrap();
-        let mut buffer = DepthBuffer::new(&Samples::new(&camera).unwrap());
+        let mut buffer = DepthBuffer::new(&ImageSamples::new(&camera).unwrap());
         let mut random = Random::new(3, 0);
         let mut n_hidden = 0;
         for round in 0..2000 {

@@ -9,7 +9,7 @@ use nextview::sensor::{Distortion, Intrinsics};
 ///
 /// The image position of a point is that of an ideal pinhole camera plus, for a real lens, a polynomial. The
 /// error is known because every sample was tested, so no sample is ever missed.
-pub(super) struct Locator {
+pub(super) struct PixelLocator {
     focal: DVec2,
     center: DVec2,
     /// Width and height of the image in pixels.
@@ -29,7 +29,7 @@ struct Bend {
     pixels: Polynomial,
 }
 
-impl Locator {
+impl PixelLocator {
     /// Slack in pixels that covers the rounding of a position.
     const SLACK: f64 = 1e-6;
 
@@ -140,14 +140,14 @@ fn rounded(value: f64, limit: f64) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::samples::Samples;
+    use crate::camera::samples::ImageSamples;
     use nextview::geometry::random::Random;
 
     fn pinhole(width: u32, height: u32) -> Intrinsics {
         Intrinsics::pinhole(width, height, DVec2::new(610.0, 590.0), DVec2::new(31.3, 20.9)).unwrap()
     }
 
-    fn box_around(locator: &Locator, corners: [DVec2; 3]) -> PixelBox {
+    fn box_around(locator: &PixelLocator, corners: [DVec2; 3]) -> PixelBox {
         let x: Chunk = std::array::from_fn(|i| corners[i % 3].x);
         let y: Chunk = std::array::from_fn(|i| corners[i % 3].y);
         let mut reach = [0.0; LANES];
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn no_sample_lies_between_pixels() {
         let camera = pinhole(64, 48);
-        let samples = Samples::new(&camera).unwrap();
+        let samples = ImageSamples::new(&camera).unwrap();
         let at = |u: f64, v: f64| {
             let point = camera.deproject(DVec2::new(u, v)).unwrap();
             box_around(samples.locator(), [point; 3])
@@ -174,7 +174,7 @@ mod tests {
         assert_eq!(at(10.0, 20.0), PixelBox::new([10, 20], [11, 21]));
         assert!(at(10.3, 20.7).is_empty());
         assert!(at(-9.0, 99.0).is_empty(), "beyond the border");
-        let lens = Samples::new(&Intrinsics::d435i()).unwrap();
+        let lens = ImageSamples::new(&Intrinsics::d435i()).unwrap();
         let margin = lens.locator().margin(1e-3, 1.0);
         assert!(margin < 0.15, "the polynomial fits the lens only within {margin} pixels");
     }
@@ -189,7 +189,7 @@ mod tests {
         let [strong, folding] = [strong, folding].map(|lens| wide.with_distortion(lens).unwrap());
         let mut random = Random::new(1, 0);
         for camera in [pinhole(64, 48), pinhole(1, 1), line, Intrinsics::d435i(), strong, folding] {
-            let samples = Samples::new(&camera).unwrap();
+            let samples = ImageSamples::new(&camera).unwrap();
             let (x, y) = (samples.x().as_flattened(), samples.y().as_flattened());
             let points: Vec<DVec2> = x.iter().zip(y).map(|(&x, &y)| DVec2::new(x, y)).collect();
             let width = samples.chunks_in_row() * LANES;

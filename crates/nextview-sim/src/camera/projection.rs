@@ -1,6 +1,6 @@
 use super::chunk::{Chunk, LANES, larger, smaller};
 use super::draw_list::{Cluster, DrawList};
-use super::locator::Locator;
+use super::locator::PixelLocator;
 use super::pixel_box::PixelBox;
 use glam::{DMat3, DVec2, DVec3};
 use nextview::geometry::Pose;
@@ -72,7 +72,7 @@ impl ProjectedCluster {
 
     /// Projects another cluster.
     #[inline(always)]
-    pub fn project(&mut self, list: &DrawList, cluster: &Cluster, to_camera: ToCamera, locator: &Locator) {
+    pub fn project(&mut self, list: &DrawList, cluster: &Cluster, to_camera: ToCamera, locator: &PixelLocator) {
         let vertices = &list.vertices[cluster.vertices.clone()];
         let n = vertices.len();
         let (x, y) = (&mut self.x[..n], &mut self.y[..n]);

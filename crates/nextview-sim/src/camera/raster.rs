@@ -12,14 +12,14 @@ use super::depth_buffer::DepthBuffer;
 use super::draw_list::{Cluster, DrawList};
 use super::pixel_box::PixelBox;
 use super::projection::{Projected, ProjectedCluster, ToCamera, project};
-use super::samples::Samples;
+use super::samples::ImageSamples;
 use nextview::geometry::Pose;
 use pulp::{Arch, Scalar, Simd, WithSimd};
 use std::ops::Range;
 
 /// 1 / depth of the nearest surface at every sample; 0 where there is none, infinite where there is no
 /// sample.
-pub(super) fn nearest_surfaces(samples: &Samples, list: &DrawList, world_from_camera: &Pose) -> Vec<Chunk> {
+pub(super) fn nearest_surfaces(samples: &ImageSamples, list: &DrawList, world_from_camera: &Pose) -> Vec<Chunk> {
     let to_camera = ToCamera::new(world_from_camera);
     Arch::new().dispatch(Raster { samples, list, to_camera })
 }
@@ -27,7 +27,7 @@ pub(super) fn nearest_surfaces(samples: &Samples, list: &DrawList, world_from_ca
 /// An image to draw, compiled for several kinds of processors.
 #[derive(Clone, Copy)]
 struct Raster<'a> {
-    samples: &'a Samples,
+    samples: &'a ImageSamples,
     list: &'a DrawList,
     to_camera: ToCamera,
 }
@@ -120,7 +120,7 @@ impl Raster<'_> {
 #[inline(always)]
 fn draw<S: Simd>(
     simd: S,
-    samples: &Samples,
+    samples: &ImageSamples,
     nearest: &mut [Chunk],
     pixels: PixelBox,
     corners: [Projected; 3],
@@ -159,7 +159,7 @@ fn draw_chunk<S: Simd>(
 ) {
     const NUMBERS: Chunk = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
     let (x, y, numbers) = (S::as_simd_f64s(x).0, S::as_simd_f64s(y).0, S::as_simd_f64s(&NUMBERS).0);
-    let (a, b, c) = (Corner::new(simd, a), Corner::new(simd, b), Corner::new(simd, c));
+    let (a, b, c) = (TriangleCorner::new(simd, a), TriangleCorner::new(simd, b), TriangleCorner::new(simd, c));
     let (first, end) = (simd.splat_f64s(lanes.start), simd.splat_f64s(lanes.end));
     let zero = simd.splat_f64s(0.0);
     for (i, nearest) in S::as_mut_simd_f64s(nearest).0.iter_mut().enumerate() {
@@ -197,13 +197,13 @@ fn draw_chunk<S: Simd>(
 }
 
 /// A corner of a triangle, in all lanes.
-struct Corner<S: Simd> {
+struct TriangleCorner<S: Simd> {
     x: S::f64s,
     y: S::f64s,
     inverse_depth: S::f64s,
 }
 
-impl<S: Simd> Corner<S> {
+impl<S: Simd> TriangleCorner<S> {
     #[inline(always)]
     fn new(simd: S, corner: &Projected) -> Self {
         let (x, y) = (simd.splat_f64s(corner.ideal.x), simd.splat_f64s(corner.ideal.y));
@@ -249,7 +249,7 @@ mod tests {
             let list = DrawList::new(&TriangleMesh::new(vertices, triangles).unwrap());
             let pinhole = Intrinsics::pinhole(45, 31, DVec2::splat(30.0), DVec2::new(22.0, 15.0)).unwrap();
             let lens = Distortion::BrownConrady([0.1, -0.05, 0.002, -0.001, 0.01]);
-            let samples = Samples::new(&pinhole.with_distortion(lens).unwrap()).unwrap();
+            let samples = ImageSamples::new(&pinhole.with_distortion(lens).unwrap()).unwrap();
             // Triangles in front of the camera, behind it and around it.
             let position = random.in_cube() * 2.0;
             let pose =

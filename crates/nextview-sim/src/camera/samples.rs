@@ -1,10 +1,10 @@
 use super::chunk::{Chunk, LANES};
-use super::locator::Locator;
+use super::locator::PixelLocator;
 use glam::DVec2;
 use nextview::sensor::Intrinsics;
 
 /// The image as sample points in the ideal plane z = 1, one per pixel centre, row by row in chunks.
-pub(super) struct Samples {
+pub(super) struct ImageSamples {
     size: [usize; 2],
     chunks_in_row: usize,
     /// Ideal coordinates. NaN, which is in no triangle, for pixels without an answer of the lens model and
@@ -12,10 +12,10 @@ pub(super) struct Samples {
     x: Vec<Chunk>,
     y: Vec<Chunk>,
     blank: Vec<Chunk>,
-    locator: Locator,
+    locator: PixelLocator,
 }
 
-impl Samples {
+impl ImageSamples {
     /// The samples of all pixels; `None` if the lens model has no answer for any pixel.
     pub fn new(intrinsics: &Intrinsics) -> Option<Self> {
         let size = [intrinsics.width() as usize, intrinsics.height() as usize];
@@ -35,7 +35,7 @@ impl Samples {
                 }
             }
         }
-        let locator = Locator::new(intrinsics, &known)?;
+        let locator = PixelLocator::new(intrinsics, &known)?;
         Some(Self { size, chunks_in_row, x, y, blank, locator })
     }
 
@@ -74,7 +74,7 @@ impl Samples {
     }
 
     /// Finds the samples in a region of the ideal plane.
-    pub fn locator(&self) -> &Locator {
+    pub fn locator(&self) -> &PixelLocator {
         &self.locator
     }
 }

@@ -1,6 +1,6 @@
 use super::chunk::Chunk;
 use super::draw_list::DrawList;
-use super::samples::Samples;
+use super::samples::ImageSamples;
 use super::{projection, raster, room};
 use crate::SimError;
 use crate::mesh::TriangleMesh;
@@ -51,7 +51,7 @@ pub struct SimulatedCamera {
     range: f64,
     noise: Noise,
     list: Arc<DrawList>,
-    samples: Arc<Samples>,
+    samples: Arc<ImageSamples>,
 }
 
 impl SimulatedCamera {
@@ -71,7 +71,7 @@ impl SimulatedCamera {
         if let Background::Room(room) = background {
             room::check_holds_mesh(&room, &mesh.bounds())?;
         }
-        let samples = Samples::new(&intrinsics).ok_or_else(|| {
+        let samples = ImageSamples::new(&intrinsics).ok_or_else(|| {
             let value = format!("{:?}", intrinsics.distortion());
             SimError::parameter("distortion", value, "a lens model that has an answer inside the image")
         })?;
@@ -109,7 +109,7 @@ impl SimulatedCamera {
         self.background
     }
 
-    pub(super) fn samples(&self) -> &Samples {
+    pub(super) fn samples(&self) -> &ImageSamples {
         &self.samples
     }
 

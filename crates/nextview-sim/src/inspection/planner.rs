@@ -22,13 +22,13 @@ use std::cmp::Reverse;
 pub struct InspectionViews {
     mesh: TriangleMesh,
     demands: SurfaceDemands,
-    place: Place,
+    place: PartPlace,
     /// The renderings of the previous plan.
-    rendered: Option<Rendered>,
+    rendered: Option<ShownSamples>,
 }
 
 /// The part's samples that each candidate would show.
-struct Rendered {
+struct ShownSamples {
     fit: PartFit,
     views: ViewSpace,
     /// By candidate, the samples it would show as demanded.
@@ -36,7 +36,7 @@ struct Rendered {
 }
 
 /// The part's place.
-enum Place {
+enum PartPlace {
     Stated { world_from_reference: Pose },
     ToFind(KnownPart),
 }
@@ -60,8 +60,8 @@ impl InspectionViews {
         world_from_reference: Option<Pose>,
     ) -> Result<Self, Error> {
         let place = match world_from_reference {
-            Some(world_from_reference) => Place::Stated { world_from_reference },
-            None => Place::ToFind(KnownPart::new(&mesh)?),
+            Some(world_from_reference) => PartPlace::Stated { world_from_reference },
+            None => PartPlace::ToFind(KnownPart::new(&mesh)?),
         };
         Ok(Self { mesh, demands, place, rendered: None })
     }
@@ -69,11 +69,11 @@ impl InspectionViews {
     /// The part's pose; `None` while it may still be found. Fails if the part should have been found.
     fn find(&self, situation: &Situation<'_>) -> Result<Option<PartFit>, Error> {
         let part = match &self.place {
-            Place::Stated { world_from_reference } => {
+            PartPlace::Stated { world_from_reference } => {
                 let reference_from_world = world_from_reference.inverse();
                 return Ok(Some(PartFit { reference_from_world, share: 1.0, ruled_out_share: 0.0 }));
             }
-            Place::ToFind(part) => part,
+            PartPlace::ToFind(part) => part,
         };
         let fit =
             part.fit(&measured_points(situation)?, |point| rules_out(situation, point), situation.cancel())?;
@@ -91,7 +91,7 @@ impl InspectionViews {
 
     /// The samples of a part at this pose that each candidate would show; reused where hardly anything has
     /// changed.
-    fn rendered(&self, fit: PartFit, situation: &Situation<'_>) -> Result<Option<Rendered>, Error> {
+    fn rendered(&self, fit: PartFit, situation: &Situation<'_>) -> Result<Option<ShownSamples>, Error> {
         if self.rendered.as_ref().is_some_and(|known| self.is_as_before(known, &fit, situation)) {
             return Ok(None);
         }
@@ -102,10 +102,10 @@ impl InspectionViews {
         };
         let views = situation.views();
         let shown = views.poses().par_iter().map(shown_from).collect::<Result<_, Error>>()?;
-        Ok(Some(Rendered { fit, views: views.clone(), shown }))
+        Ok(Some(ShownSamples { fit, views: views.clone(), shown }))
     }
 
-    fn is_as_before(&self, known: &Rendered, fit: &PartFit, situation: &Situation<'_>) -> bool {
+    fn is_as_before(&self, known: &ShownSamples, fit: &PartFit, situation: &Situation<'_>) -> bool {
         let motion = known.fit.reference_from_world * fit.reference_from_world.inverse();
         let stays = |corner: DVec3| motion.transform_point(corner).distance(corner) <= MOTION;
         self.mesh.bounds().corners().into_iter().all(stays)
@@ -118,9 +118,9 @@ impl InspectionViews {
             .map_err(failed)
     }
 
-    fn plan_by(&self, rendered: &Rendered, situation: &Situation<'_>) -> Result<Plan, Error> {
+    fn plan_by(&self, rendered: &ShownSamples, situation: &Situation<'_>) -> Result<Plan, Error> {
         let part = self.placed(&rendered.fit, situation)?;
-        let State { measured, given_up } = state(&part, situation, self.demands.samples().len())?;
+        let MeasuredSamples { measured, given_up } = state(&part, situation, self.demands.samples().len())?;
         let open = situation.open_views();
         let still_shown = |view: &usize| {
             let mut shown = rendered.shown[*view].clone();
@@ -178,12 +178,12 @@ impl ViewPlanner for InspectionViews {
 }
 
 /// The samples measured as demanded, and those not tried again.
-struct State {
+struct MeasuredSamples {
     measured: FixedBitSet,
     given_up: FixedBitSet,
 }
 
-fn state(part: &PlacedPart<'_>, situation: &Situation<'_>, n_samples: usize) -> Result<State, Error> {
+fn state(part: &PlacedPart<'_>, situation: &Situation<'_>, n_samples: usize) -> Result<MeasuredSamples, Error> {
     let mut measured = FixedBitSet::with_capacity(n_samples);
     let mut n_attempts = vec![0_u8; n_samples];
     for frame in situation.frames() {
@@ -194,7 +194,7 @@ fn state(part: &PlacedPart<'_>, situation: &Situation<'_>, n_samples: usize) -> 
     }
     let mut given_up = FixedBitSet::with_capacity(n_samples);
     given_up.extend((0..n_samples).filter(|&i| n_attempts[i] >= N_ATTEMPTS && !measured.contains(i)));
-    Ok(State { measured, given_up })
+    Ok(MeasuredSamples { measured, given_up })
 }
 
 /// A small selection of the sets that together holds all their samples.

@@ -3,7 +3,7 @@
 use super::Material;
 use super::image::{Images, Resolve};
 use super::srgb;
-use super::text::{Line, statements};
+use super::text::{NumberedLine, statements};
 use crate::SimError;
 use nextview::text::plain;
 
@@ -35,12 +35,12 @@ pub(super) fn parse(
 }
 
 /// The numbers of `Kd` are display values, like an image's.
-fn reflectance(line: &Line) -> Result<[f32; 3], SimError> {
+fn reflectance(line: &NumberedLine) -> Result<[f32; 3], SimError> {
     Ok(line.unit_color(1)?.map(srgb::to_light_of))
 }
 
 fn image(
-    line: &Line,
+    line: &NumberedLine,
     resolve: &Resolve,
     images: &mut Images,
 ) -> Result<nextview::sensor::ColorImage, SimError> {

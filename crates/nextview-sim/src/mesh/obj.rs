@@ -3,7 +3,7 @@
 
 use super::image::{Images, Resolve};
 use super::raw::RawMesh;
-use super::text::{Line, shown, statements};
+use super::text::{NumberedLine, shown, statements};
 use super::{Face, Material, mtl};
 use crate::SimError;
 use nextview::text::plain;
@@ -44,7 +44,7 @@ struct Obj {
 
 impl Obj {
     /// A position, optionally with red, green and blue, 0 to 1 (a scanners' extension).
-    fn push_vertex(&mut self, line: &Line) -> Result<(), SimError> {
+    fn push_vertex(&mut self, line: &NumberedLine) -> Result<(), SimError> {
         if line.words().len() == 7
             && let Some(color) = self.mesh.colors_or_fault(line.unit_color(4))
         {
@@ -54,7 +54,7 @@ impl Obj {
         Ok(())
     }
 
-    fn push_face(&mut self, line: &Line) -> Result<(), SimError> {
+    fn push_face(&mut self, line: &NumberedLine) -> Result<(), SimError> {
         let words = &line.words()[1..];
         let n_vertices = self.mesh.vertices.len();
         let corners: Result<Vec<u32>, SimError> =
@@ -73,7 +73,7 @@ impl Obj {
     }
 
     /// The texture coordinates of a corner; zero if it has none and the material has no image.
-    fn texture_of(&self, line: &Line, word: &[u8]) -> Result<[f32; 2], SimError> {
+    fn texture_of(&self, line: &NumberedLine, word: &[u8]) -> Result<[f32; 2], SimError> {
         let is_stated = word.split(|&byte| byte == b'/').nth(1).is_some_and(|number| !number.is_empty());
         if is_stated {
             let n = self.texture.len();
@@ -90,13 +90,13 @@ impl Obj {
         }
     }
 
-    fn push_texture_point(&mut self, line: &Line) -> Result<(), SimError> {
+    fn push_texture_point(&mut self, line: &NumberedLine) -> Result<(), SimError> {
         self.texture.push([line.number(1, "a texture coordinate")?, second(line)?]);
         Ok(())
     }
 
     /// Reads a library once, although programs write its name once per part.
-    fn read_materials(&mut self, line: &Line, resolve: &Resolve) -> Result<(), SimError> {
+    fn read_materials(&mut self, line: &NumberedLine, resolve: &Resolve) -> Result<(), SimError> {
         let name = line.rest().replace('\\', "/");
         if self.libraries.contains(&name) {
             return Ok(());
@@ -109,7 +109,7 @@ impl Obj {
     }
 
     /// Sets the material; ignored without any library.
-    fn use_material(&mut self, line: &Line) -> Result<(), SimError> {
+    fn use_material(&mut self, line: &NumberedLine) -> Result<(), SimError> {
         let name = line.rest();
         let found = self.materials.iter().position(|(other, _)| *other == name);
         if found.is_none() && !self.materials.is_empty() {
@@ -124,13 +124,13 @@ impl Obj {
 }
 
 /// The second texture coordinate, which is 0 in an image of one row.
-fn second(line: &Line) -> Result<f32, SimError> {
+fn second(line: &NumberedLine) -> Result<f32, SimError> {
     if line.words().len() < 3 { Ok(0.0) } else { line.number(2, "a texture coordinate") }
 }
 
 /// Part `part` of a corner such as `7`, `7/2`, `7/2/3` or `-1`, counted from 0. Numbers count from 1, or
 /// backwards from the last one before the face.
-fn number(line: &Line, word: &[u8], part: usize, n_defined: usize, what: &str) -> Result<u32, SimError> {
+fn number(line: &NumberedLine, word: &[u8], part: usize, n_defined: usize, what: &str) -> Result<u32, SimError> {
     let number = word.split(|&byte| byte == b'/').nth(part).unwrap_or_default();
     let stated: i64 = str::from_utf8(number)
         .ok()

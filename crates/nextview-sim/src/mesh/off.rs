@@ -1,7 +1,7 @@
 //! OFF in text form, with or without colours and normals.
 
 use super::raw::RawMesh;
-use super::text::{Line, lines, shown};
+use super::text::{NumberedLine, lines, shown};
 use crate::SimError;
 use nextview::text::plain;
 
@@ -33,7 +33,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
 }
 
 /// A number of lines, which cannot exceed the number of bytes.
-fn count(line: &Line, word: usize, what: &str, n_bytes: usize) -> Result<usize, SimError> {
+fn count(line: &NumberedLine, word: usize, what: &str, n_bytes: usize) -> Result<usize, SimError> {
     let n: usize = line.number(word, what)?;
     if n > n_bytes {
         return Err(line.error(format!("{what} is {n}, but the file has only {n_bytes} bytes")));
@@ -41,7 +41,7 @@ fn count(line: &Line, word: usize, what: &str, n_bytes: usize) -> Result<usize, 
     Ok(n)
 }
 
-fn corners(line: &Line, n_vertices: usize) -> Result<Vec<u32>, SimError> {
+fn corners(line: &NumberedLine, n_vertices: usize) -> Result<Vec<u32>, SimError> {
     let n: usize = line.number(0, "a number of corners")?;
     if n >= line.words().len() {
         return Err(line.error(format!("states {n} corners but lists {}", line.words().len() - 1)));

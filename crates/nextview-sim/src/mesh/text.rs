@@ -5,21 +5,21 @@ use glam::DVec3;
 use std::str::FromStr;
 
 /// A non-blank line, with its number counted from 1.
-pub(super) struct Line<'a> {
+pub(super) struct NumberedLine<'a> {
     pub number: usize,
     words: Vec<&'a [u8]>,
 }
 
 /// The lines of a [plain](nextview::text::plain) text, without comments (from `#` on) and blank lines. The
 /// first line has the number `first_number`.
-pub(super) fn lines(text: &[u8], first_number: usize) -> impl Iterator<Item = Line<'_>> {
+pub(super) fn lines(text: &[u8], first_number: usize) -> impl Iterator<Item = NumberedLine<'_>> {
     let lines = text.split(|&byte| byte == b'\n').zip(first_number..);
-    lines.map(|(line, number)| Line { number, words: words(line) }).filter(|line| !line.words.is_empty())
+    lines.map(|(line, number)| NumberedLine { number, words: words(line) }).filter(|line| !line.words.is_empty())
 }
 
 /// The statements of a text in which a backslash at the end of a line continues it in the next one, as in OBJ
 /// and MTL. A comment is not continued.
-pub(super) fn statements(text: &[u8]) -> impl Iterator<Item = Line<'_>> {
+pub(super) fn statements(text: &[u8]) -> impl Iterator<Item = NumberedLine<'_>> {
     let mut lines = text.split(|&byte| byte == b'\n').zip(1..);
     let joined = std::iter::from_fn(move || {
         let (line, number) = lines.next()?;
@@ -30,7 +30,7 @@ pub(super) fn statements(text: &[u8]) -> impl Iterator<Item = Line<'_>> {
             let Some((line, _)) = lines.next() else { break };
             all.extend(words(line));
         }
-        Some(Line { number, words: all })
+        Some(NumberedLine { number, words: all })
     });
     joined.filter(|line| !line.words.is_empty())
 }
@@ -40,7 +40,7 @@ fn words(line: &[u8]) -> Vec<&[u8]> {
     code.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).collect()
 }
 
-impl<'a> Line<'a> {
+impl<'a> NumberedLine<'a> {
     /// The line without one of these prefixes, in any case, which a number may follow directly; the result
     /// may be empty.
     pub fn without_prefix(mut self, prefixes: &[&[u8]]) -> Self {

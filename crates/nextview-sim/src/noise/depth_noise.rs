@@ -1,5 +1,5 @@
 use nextview::Error;
-use nextview::sensor::{DepthError, DepthRange, Principle, Sensor, SurfaceError};
+use nextview::sensor::{DepthNoise, DepthRange, Principle, Sensor, SurfaceNoise};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -14,9 +14,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// known.
 ///
 /// ```
-/// use nextview_sim::noise::DepthNoise;
+/// use nextview_sim::noise::SensorNoise;
 ///
-/// let noise = DepthNoise::d435i();
+/// let noise = SensorNoise::d435i();
 /// // 0.94 mm at half a metre, four times as much at twice the distance.
 /// assert!((noise.axial_sigma(0.5) - 0.000_943).abs() < 1e-6);
 /// assert!((noise.axial_sigma(1.0) / noise.axial_sigma(0.5) - 4.0).abs() < 1e-9);
@@ -25,7 +25,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
-pub struct DepthNoise {
+pub struct SensorNoise {
     /// Distance from the camera to the second camera or projector at its right, metres; 0 if there is none:
     /// nothing is hidden and there is no disparity. Default 0.05.
     #[serde(rename = "baseline_m")]
@@ -75,16 +75,16 @@ pub struct DepthNoise {
     /// Minimum step to the next pixel that is a jump, as a share of the nearer depth, above 0. Default 0.02.
     pub flying_jump: f64,
     /// Depth error in addition to that of the disparity. Default none.
-    pub error: DepthError,
+    pub error: DepthNoise,
 }
 
-impl Serialize for DepthNoise {
+impl Serialize for SensorNoise {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         Self::serialize(self, serializer)
     }
 }
 
-impl<'de> Deserialize<'de> for DepthNoise {
+impl<'de> Deserialize<'de> for SensorNoise {
     /// Fails on a value out of range.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let noise = Self::deserialize(deserializer)?;
@@ -93,13 +93,13 @@ impl<'de> Deserialize<'de> for DepthNoise {
     }
 }
 
-impl Default for DepthNoise {
+impl Default for SensorNoise {
     fn default() -> Self {
         Self::d435i()
     }
 }
 
-impl DepthNoise {
+impl SensorNoise {
     /// Returns the noise of the RealSense D435i in its best depth mode, 848 x 480, whatever the size of the
     /// image derived from it.
     ///
@@ -126,7 +126,7 @@ impl DepthNoise {
             correlation: MATCHED_PX,
             flying_share: 0.0,
             flying_jump: 0.02,
-            error: DepthError { constant: 0.0, linear: 0.0, quadratic: 0.0 },
+            error: DepthNoise { constant: 0.0, linear: 0.0, quadratic: 0.0 },
         }
     }
 
@@ -192,12 +192,12 @@ impl DepthNoise {
 
     /// Returns the random depth error before rounding: the error of the disparity `d = f b / z`, which is
     /// `z^2 sigma_d / (f b)`, plus the additional one.
-    pub fn depth_error(&self) -> DepthError {
+    pub fn depth_error(&self) -> DepthNoise {
         if self.baseline == 0.0 {
             return self.error;
         }
-        let stereo = DepthError::of_disparity(self.disparity_sigma, self.focal, self.baseline);
-        DepthError { quadratic: self.error.quadratic + stereo.quadratic, ..self.error }
+        let stereo = DepthNoise::of_disparity(self.disparity_sigma, self.focal, self.baseline);
+        DepthNoise { quadratic: self.error.quadratic + stereo.quadratic, ..self.error }
     }
 
     /// Returns the standard deviation of the depth at this depth, both in metres, before rounding.
@@ -207,14 +207,14 @@ impl DepthNoise {
 
     /// Returns the error of a measured surface according to the camera's data, including rounding of the
     /// disparity.
-    pub fn surface_error(&self) -> SurfaceError {
+    pub fn surface_error(&self) -> SurfaceNoise {
         let mut depth = self.depth_error();
         if self.baseline > 0.0 {
             let rounding = self.disparity_step / 12_f64.sqrt();
             let sigma = self.disparity_sigma.hypot(rounding);
             depth.quadratic += (sigma - self.disparity_sigma) / (self.focal * self.baseline);
         }
-        SurfaceError {
+        SurfaceNoise {
             depth,
             correlated_share: self.correlated_share,
             depth_unit: self.depth_unit,

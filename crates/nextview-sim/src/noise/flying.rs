@@ -1,6 +1,6 @@
 //! Pixels that see two surfaces at once, as in time-of-flight cameras.
 
-use super::DepthNoise;
+use super::SensorNoise;
 use nextview::geometry::random::Random;
 
 /// A pixel with light from both sides of an edge; its depth lies between theirs.
@@ -29,7 +29,7 @@ impl FlyingPixel {
 
 /// The flying pixels among those that show the depth of these pixels of the exact image, `width` wide.
 pub(super) fn flying(
-    noise: &DepthNoise,
+    noise: &SensorNoise,
     exact: &[f32],
     width: usize,
     readings: &[Option<u32>],
@@ -52,7 +52,7 @@ pub(super) fn flying(
 }
 
 /// The neighbour across an edge with the largest difference in depth; `None` if the pixel is not at an edge.
-fn other_side(noise: &DepthNoise, exact: &[f32], width: usize, pixel: usize) -> Option<usize> {
+fn other_side(noise: &SensorNoise, exact: &[f32], width: usize, pixel: usize) -> Option<usize> {
     let column = pixel % width;
     let neighbours = [
         (column > 0).then(|| pixel - 1),

@@ -4,12 +4,12 @@
 //! normal n and distance d from the camera, 1 / z = n / d . (x, y, 1) where the ray is z (x, y, 1). The lens
 //! is treated as a pinhole here.
 
-use super::DepthNoise;
+use super::SensorNoise;
 use glam::DVec3;
 use nextview::sensor::Intrinsics;
 
 /// The probability, 0..=1, that a pixel of the exact image is lost; 1 for pixels without a surface.
-pub(super) fn probabilities(noise: &DepthNoise, exact: &[f32], intrinsics: &Intrinsics) -> Vec<f32> {
+pub(super) fn probabilities(noise: &SensorNoise, exact: &[f32], intrinsics: &Intrinsics) -> Vec<f32> {
     let width = intrinsics.width() as usize;
     let inverse: Vec<f32> = exact.iter().map(|depth| 1.0 / depth).collect();
     let disparity_at_1_m = (intrinsics.focal().x * noise.baseline) as f32;
@@ -78,7 +78,7 @@ fn gentler(a: f32, b: f32) -> f32 {
 /// The loss at the angle between the pixel's ray and the normal of the plane through its gentler neighbours;
 /// 1 if there are none.
 fn grazing_loss(
-    noise: &DepthNoise,
+    noise: &SensorNoise,
     intrinsics: &Intrinsics,
     [u, v]: [usize; 2],
     inverse: f64,

@@ -17,7 +17,7 @@ mod readings;
 mod tests;
 mod waves;
 
-pub use depth_noise::DepthNoise;
+pub use depth_noise::SensorNoise;
 pub use pose_error::PoseError;
 pub(crate) use readings::Readings;
 pub(crate) use waves::Waves;
@@ -32,7 +32,7 @@ pub struct Noise {
     /// Seed of all errors.
     pub seed: u64,
     /// Errors of the depth; `None` for exact depths.
-    pub depth: Option<DepthNoise>,
+    pub depth: Option<SensorNoise>,
     /// Errors of the pose that a frame claims.
     pub pose: PoseError,
     /// Whether the first frame of a [scan](crate::evaluator::capture) claims the right pose regardless.

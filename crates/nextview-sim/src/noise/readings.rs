@@ -2,7 +2,7 @@ use super::flying::{FlyingPixel, flying};
 use super::lateral::Shifts;
 use super::normal::normal;
 use super::waves::Waves;
-use super::{DepthNoise, loss};
+use super::{SensorNoise, loss};
 use nextview::geometry::random::Random;
 use nextview::sensor::Intrinsics;
 
@@ -17,7 +17,7 @@ pub(crate) struct Readings {
 impl Readings {
     /// The readings of a camera with this noise in an exact image, depths in metres row by row, without
     /// flying pixels.
-    pub fn new(noise: &DepthNoise, exact: &[f32], intrinsics: &Intrinsics, random: &mut Random) -> Self {
+    pub fn new(noise: &SensorNoise, exact: &[f32], intrinsics: &Intrinsics, random: &mut Random) -> Self {
         let loss = loss::probabilities(noise, exact, intrinsics);
         let shifts = Shifts::new(noise.lateral_sigma);
         let (width, height) = (intrinsics.width() as i32, intrinsics.height() as i32);
@@ -34,7 +34,7 @@ impl Readings {
     }
 
     /// Adds flying pixels, if the noise has any, in an image of this width.
-    pub fn with_flying(mut self, noise: &DepthNoise, exact: &[f32], width: u32, random: &mut Random) -> Self {
+    pub fn with_flying(mut self, noise: &SensorNoise, exact: &[f32], width: u32, random: &mut Random) -> Self {
         if noise.flying_share > 0.0 {
             self.flying = flying(noise, exact, width as usize, &self.pixels, random);
             self.flying.iter().for_each(|flying| self.pixels[flying.pixel as usize] = None);
@@ -60,7 +60,7 @@ impl Readings {
     /// The measured image, with the errors that pixels share, if any.
     pub fn reported(
         &self,
-        noise: &DepthNoise,
+        noise: &SensorNoise,
         exact: &[f32],
         waves: Option<&Waves>,
         random: &mut Random,

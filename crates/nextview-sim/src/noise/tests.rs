@@ -2,7 +2,7 @@
 
 use super::*;
 use glam::{DQuat, DVec2, DVec3};
-use nextview::sensor::{DepthError, Intrinsics, Sensor};
+use nextview::sensor::{DepthNoise, Intrinsics, Sensor};
 use std::f64::consts::FRAC_PI_2;
 
 const SIZE: u32 = 200;
@@ -22,7 +22,7 @@ fn tilted(depth: f64, angle: f64) -> Vec<f32> {
     plane(DVec3::new(-angle.tan(), 0.0, 1.0) / depth)
 }
 
-fn reported(noise: DepthNoise, exact: &[f32]) -> Vec<f32> {
+fn reported(noise: SensorNoise, exact: &[f32]) -> Vec<f32> {
     let readings = Readings::new(&noise, exact, &camera(), &mut Random::new(1, 0));
     let waves = Waves::new(&noise, &camera(), &mut Random::new(1, 3));
     readings.reported(&noise, exact, waves.as_ref(), &mut Random::new(1, 1))
@@ -41,7 +41,7 @@ fn mean_and_sigma(image: &[f32]) -> (f64, f64) {
 /// 40,000 pixels: the standard error of a sigma is 0.35 % of it.
 #[test]
 fn axial_noise_grows_with_the_square_of_the_depth() {
-    let noise = DepthNoise { depth_unit: 0.0, disparity_step: 0.0, ..DepthNoise::d435i() };
+    let noise = SensorNoise { depth_unit: 0.0, disparity_step: 0.0, ..SensorNoise::d435i() };
     for depth in [0.3, 0.6] {
         let image = reported(noise, &plane(DVec3::Z / depth));
         assert_eq!(lost_share(&image), 0.0);
@@ -57,10 +57,10 @@ fn axial_noise_grows_with_the_square_of_the_depth() {
 #[test]
 fn lateral_noise_is_a_depth_error_on_slopes() {
     let off =
-        DepthNoise { disparity_sigma: 0.0, depth_unit: 0.0, disparity_step: 0.0, ..DepthNoise::d435i() };
+        SensorNoise { disparity_sigma: 0.0, depth_unit: 0.0, disparity_step: 0.0, ..SensorNoise::d435i() };
     let exact = tilted(0.5, 45_f64.to_radians());
     for (sigma, expected) in [(0.0, 0.0), (0.5, 0.317_3), (1.0, 0.617_1)] {
-        let image = reported(DepthNoise { lateral_sigma: sigma, ..off }, &exact);
+        let image = reported(SensorNoise { lateral_sigma: sigma, ..off }, &exact);
         let moved = image.iter().zip(&exact).filter(|(told, exact)| (*told - *exact).abs() > 1e-5);
         let share = moved.count() as f64 / exact.len() as f64;
         assert!((share - expected).abs() < 0.01, "{share} at {sigma}: beyond half a pixel along the slope");
@@ -69,9 +69,9 @@ fn lateral_noise_is_a_depth_error_on_slopes() {
 
 #[test]
 fn the_disparity_and_the_depth_come_in_steps() {
-    let noise = DepthNoise::d435i();
+    let noise = SensorNoise::d435i();
     let on_grid = |value: f64, step: f64| ((value / step).round() * step - value).abs() < 1e-3 * step;
-    let image = reported(DepthNoise { depth_unit: 0.0, ..noise }, &tilted(0.5, 0.5));
+    let image = reported(SensorNoise { depth_unit: 0.0, ..noise }, &tilted(0.5, 0.5));
     assert!(image.iter().all(|&depth| on_grid(424.0 * 0.05 / depth as f64, 1.0 / 32.0)));
     let image = reported(noise, &tilted(0.5, 0.5));
     assert!(image.iter().all(|&depth| on_grid(depth as f64, 0.001)));
@@ -84,7 +84,7 @@ fn the_disparity_and_the_depth_come_in_steps() {
 
 #[test]
 fn near_surfaces_and_empty_pixels_are_lost() {
-    let noise = DepthNoise::d435i();
+    let noise = SensorNoise::d435i();
     for (depth, expected) in [(0.16, 1.0), (0.18, 0.0), (f64::INFINITY, 1.0), (f64::NAN, 1.0)] {
         assert_eq!(lost_share(&reported(noise, &vec![depth as f32; 40_000])), expected, "{depth}");
     }
@@ -93,7 +93,7 @@ fn near_surfaces_and_empty_pixels_are_lost() {
 /// Seen from the left half, the tilted plane has another angle; only the middle columns have the stated one.
 #[test]
 fn loss_grows_with_the_angle_up_to_all() {
-    let noise = DepthNoise { edge_gradient: 1e9, ..DepthNoise::d435i() };
+    let noise = SensorNoise { edge_gradient: 1e9, ..SensorNoise::d435i() };
     for degrees in [0.0_f64, 60.0, 69.0, 75.0, 80.0, 85.0] {
         let angle = degrees.to_radians();
         // The far end is to the left: the second camera, on the right, sees the plane less steeply.
@@ -120,7 +120,7 @@ fn loss_grows_with_the_angle_up_to_all() {
 /// the left, and the wall by 37.5.
 #[test]
 fn the_wall_left_of_a_plate_is_hidden_and_edges_are_thinned() {
-    let noise = DepthNoise { lateral_sigma: 0.0, ..DepthNoise::d435i() };
+    let noise = SensorNoise { lateral_sigma: 0.0, ..SensorNoise::d435i() };
     let loss = loss::probabilities(&noise, &plate_before_wall(), &camera());
     let at = |u: usize, v: usize| loss[v * 200 + u];
     let row: Vec<f32> = (0..200).map(|u| at(u, 100)).collect();
@@ -134,7 +134,7 @@ fn the_wall_left_of_a_plate_is_hidden_and_edges_are_thinned() {
 #[test]
 fn the_truth_is_exact_where_something_was_read() {
     let exact = tilted(0.5, 1.3);
-    let noise = DepthNoise::d435i();
+    let noise = SensorNoise::d435i();
     let readings = Readings::new(&noise, &exact, &camera(), &mut Random::new(1, 0));
     let measured = readings.truly_measured(&exact);
     let n_kept = measured.iter().zip(&exact).filter(|(m, e)| m == e).count();
@@ -168,27 +168,27 @@ fn pose_errors_have_their_sigmas_and_are_of_the_frame() {
 
 #[test]
 fn parameters_out_of_range_are_named() {
-    let d435i = DepthNoise::d435i();
+    let d435i = SensorNoise::d435i();
     for (noise, expected) in [
-        (DepthNoise { baseline: -1.0, ..d435i }, "baseline_m is -1, expected 0 or a positive number of"),
+        (SensorNoise { baseline: -1.0, ..d435i }, "baseline_m is -1, expected 0 or a positive number of"),
         (
-            DepthNoise { baseline: 0.0, ..d435i },
+            SensorNoise { baseline: 0.0, ..d435i },
             "baseline_m is 0, expected a positive number of metres, or no disparity_sigma_px and",
         ),
-        (DepthNoise { focal: f64::INFINITY, ..d435i }, "focal_px is inf"),
-        (DepthNoise { disparity_sigma: -1.0, ..d435i }, "disparity_sigma_px is -1"),
-        (DepthNoise { disparity_step: f64::NAN, ..d435i }, "disparity_step_px is NaN"),
-        (DepthNoise { depth_unit: -0.1, ..d435i }, "depth_unit_m is -0.1"),
-        (DepthNoise { min_depth: -0.1, ..d435i }, "min_depth_m is -0.1"),
-        (DepthNoise { lateral_sigma: 5.0, ..d435i }, "lateral_sigma_px is 5, expected 0 to 4 pixels"),
-        (DepthNoise { edge_gradient: 0.0, ..d435i }, "edge_gradient is 0"),
-        (DepthNoise { edge_loss: 1.5, ..d435i }, "edge_loss is 1.5, expected a probability"),
-        (DepthNoise { grazing_from: 1.6, ..d435i }, "grazing_from_rad is 1.6"),
-        (DepthNoise { correlated_share: 1.1, ..d435i }, "correlated_share is 1.1, expected a share"),
-        (DepthNoise { correlation: 0.5, ..d435i }, "correlation_px is 0.5, expected 1 to 100 pixels"),
-        (DepthNoise { flying_share: -0.1, ..d435i }, "flying_share is -0.1, expected a probability"),
-        (DepthNoise { flying_jump: 0.0, ..d435i }, "flying_jump is 0, expected a positive number"),
-        (DepthNoise { error: DepthError { linear: -1.0, ..d435i.error }, ..d435i }, "linear is -1"),
+        (SensorNoise { focal: f64::INFINITY, ..d435i }, "focal_px is inf"),
+        (SensorNoise { disparity_sigma: -1.0, ..d435i }, "disparity_sigma_px is -1"),
+        (SensorNoise { disparity_step: f64::NAN, ..d435i }, "disparity_step_px is NaN"),
+        (SensorNoise { depth_unit: -0.1, ..d435i }, "depth_unit_m is -0.1"),
+        (SensorNoise { min_depth: -0.1, ..d435i }, "min_depth_m is -0.1"),
+        (SensorNoise { lateral_sigma: 5.0, ..d435i }, "lateral_sigma_px is 5, expected 0 to 4 pixels"),
+        (SensorNoise { edge_gradient: 0.0, ..d435i }, "edge_gradient is 0"),
+        (SensorNoise { edge_loss: 1.5, ..d435i }, "edge_loss is 1.5, expected a probability"),
+        (SensorNoise { grazing_from: 1.6, ..d435i }, "grazing_from_rad is 1.6"),
+        (SensorNoise { correlated_share: 1.1, ..d435i }, "correlated_share is 1.1, expected a share"),
+        (SensorNoise { correlation: 0.5, ..d435i }, "correlation_px is 0.5, expected 1 to 100 pixels"),
+        (SensorNoise { flying_share: -0.1, ..d435i }, "flying_share is -0.1, expected a probability"),
+        (SensorNoise { flying_jump: 0.0, ..d435i }, "flying_jump is 0, expected a positive number"),
+        (SensorNoise { error: DepthNoise { linear: -1.0, ..d435i.error }, ..d435i }, "linear is -1"),
     ] {
         let error = Noise { depth: Some(noise), ..Noise::default() }.check().unwrap_err().to_string();
         assert!(error.starts_with(expected), "{error}");
@@ -204,7 +204,7 @@ fn parameters_out_of_range_are_named() {
 fn the_d435i_is_pinned() {
     let bits = |hash: u64, depth: &f32| (hash ^ depth.to_bits() as u64).wrapping_mul(0x0100_0000_01B3);
     let images = [tilted(0.5, 1.3), tilted(0.3, -0.4), plate_before_wall()];
-    let hashes = images.map(|image| reported(DepthNoise::d435i(), &image).iter().fold(0, bits));
+    let hashes = images.map(|image| reported(SensorNoise::d435i(), &image).iter().fold(0, bits));
     assert_eq!(hashes, [8_766_436_813_235_777_439, 16_793_859_158_636_192_776, 13_174_909_887_420_735_819]);
 }
 
@@ -219,10 +219,10 @@ fn plate_before_wall() -> Vec<f32> {
 #[test]
 fn every_sensor_has_the_noise_it_states() {
     for sensor in Sensor::ALL {
-        let noise = DepthNoise::of(sensor);
+        let noise = SensorNoise::of(sensor);
         noise.check().unwrap();
         assert_eq!(noise.range(), sensor.depth_range(), "{sensor}");
-        let exact = DepthNoise { depth_unit: 0.0, disparity_step: 0.0, correlated_share: 0.0, ..noise };
+        let exact = SensorNoise { depth_unit: 0.0, disparity_step: 0.0, correlated_share: 0.0, ..noise };
         for share in [0.1, 0.9] {
             let depth = noise.min_depth + share * (noise.max_depth.min(2.0) - noise.min_depth);
             let stated = sensor.depth_error().sigma(depth);
@@ -232,7 +232,7 @@ fn every_sensor_has_the_noise_it_states() {
             assert!((mean - depth).abs() < 0.03 * stated, "{sensor}: {mean} at {depth} m");
         }
         let depth = noise.min_depth * 1.2;
-        let waves = DepthNoise { correlated_share: noise.correlated_share, ..exact };
+        let waves = SensorNoise { correlated_share: noise.correlated_share, ..exact };
         let images = (0..20).map(|seed| waved(waves, depth, seed));
         let errors: Vec<f64> = images.flatten().map(|told| told - depth).collect();
         let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
@@ -242,7 +242,7 @@ fn every_sensor_has_the_noise_it_states() {
 }
 
 /// The image of a plane with waves of this seed.
-fn waved(noise: DepthNoise, depth: f64, seed: u64) -> Vec<f64> {
+fn waved(noise: SensorNoise, depth: f64, seed: u64) -> Vec<f64> {
     let exact = plane(DVec3::Z / depth);
     let readings = Readings::new(&noise, &exact, &camera(), &mut Random::new(seed, 0));
     let waves = Waves::new(&noise, &camera(), &mut Random::new(seed, 3));
@@ -254,12 +254,12 @@ fn waved(noise: DepthNoise, depth: f64, seed: u64) -> Vec<f64> {
 #[test]
 fn errors_correlate_as_stated() {
     for (share, length) in [(0.8, 7.0), (0.5, 3.0), (1.0, 12.0)] {
-        let noise = DepthNoise {
+        let noise = SensorNoise {
             correlated_share: share,
             correlation: length,
             depth_unit: 0.0,
             disparity_step: 0.0,
-            ..DepthNoise::d435i()
+            ..SensorNoise::d435i()
         };
         let images: Vec<Vec<f64>> = (0..40)
             .map(|seed| waved(noise, 0.5, seed).iter().map(|d| (d - 0.5) / noise.axial_sigma(0.5)).collect())
@@ -290,7 +290,7 @@ fn errors_correlate_as_stated() {
 /// Sums all bells of the grid for each value, instead of the nearest along rows and then along columns.
 #[test]
 fn waves_are_the_sum_of_all_bells() {
-    let noise = DepthNoise { correlated_share: 1.0, correlation: 6.0, ..DepthNoise::d435i() };
+    let noise = SensorNoise { correlated_share: 1.0, correlation: 6.0, ..SensorNoise::d435i() };
     let small = Intrinsics::pinhole(30, 20, DVec2::splat(60.0), DVec2::splat(9.5)).unwrap();
     let waves = Waves::new(&noise, &small, &mut Random::new(5, 0)).unwrap();
     let mut random = Random::new(5, 0);
@@ -310,13 +310,13 @@ fn waves_are_the_sum_of_all_bells() {
 /// none fly elsewhere.
 #[test]
 fn flying_pixels_are_between_both_surfaces() {
-    let noise = DepthNoise {
+    let noise = SensorNoise {
         lateral_sigma: 0.0,
-        error: DepthError::default(),
+        error: DepthNoise::default(),
         depth_unit: 0.0,
-        ..DepthNoise::of(Sensor::AzureKinect)
+        ..SensorNoise::of(Sensor::AzureKinect)
     };
-    let noise = DepthNoise { min_depth: 0.1, ..noise };
+    let noise = SensorNoise { min_depth: 0.1, ..noise };
     let exact = plate_before_wall();
     let (mut n_flying, mut sum) = (0, 0.0);
     for seed in 0..20 {
@@ -348,10 +348,10 @@ fn flying_pixels_are_between_both_surfaces() {
 /// A camera without a second view has no shadow, and a wall beyond its range sends no light.
 #[test]
 fn time_of_flight_has_no_shadow_and_sees_no_farther_than_its_range() {
-    let noise = DepthNoise { lateral_sigma: 0.0, ..DepthNoise::of(Sensor::L515) };
+    let noise = SensorNoise { lateral_sigma: 0.0, ..SensorNoise::of(Sensor::L515) };
     let exact = plate_before_wall();
     assert!(loss::probabilities(&noise, &exact, &camera()).iter().all(|loss| *loss == 0.0));
-    let near = DepthNoise { max_depth: 0.5, ..noise };
+    let near = SensorNoise { max_depth: 0.5, ..noise };
     let readings = Readings::new(&near, &exact, &camera(), &mut Random::new(1, 0));
     let readings = readings.with_flying(&near, &exact, SIZE, &mut Random::new(1, 4));
     let told = readings.reported(&near, &exact, None, &mut Random::new(1, 1));

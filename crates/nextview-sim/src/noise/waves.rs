@@ -1,4 +1,4 @@
-use super::DepthNoise;
+use super::SensorNoise;
 use super::normal::normal;
 use nextview::geometry::random::Random;
 use nextview::sensor::Intrinsics;
@@ -19,7 +19,7 @@ pub(crate) struct Waves {
 
 impl Waves {
     /// The waves of an image; `None` if the noise has no correlation.
-    pub fn new(noise: &DepthNoise, intrinsics: &Intrinsics, random: &mut Random) -> Option<Self> {
+    pub fn new(noise: &SensorNoise, intrinsics: &Intrinsics, random: &mut Random) -> Option<Self> {
         if noise.correlated_share == 0.0 {
             return None;
         }

@@ -8,7 +8,7 @@ use nextview::sensor::{Depth, Frame, Intrinsics};
 use nextview::session::{Session, SessionConfig};
 use nextview::view::{ViewSpace, generate};
 use nextview_sim::builtin;
-use nextview_sim::noise::{DepthNoise, Noise, PoseError};
+use nextview_sim::noise::{SensorNoise, Noise, PoseError};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use rayon::prelude::*;
@@ -55,7 +55,7 @@ impl Setup {
 }
 
 fn d435i(pose: PoseError) -> Noise {
-    Noise { seed: 7, depth: Some(DepthNoise::d435i()), pose, ..Noise::default() }
+    Noise { seed: 7, depth: Some(SensorNoise::d435i()), pose, ..Noise::default() }
 }
 
 const POSE: PoseError = PoseError { translation_sigma: 0.002, rotation_sigma: 0.003 };

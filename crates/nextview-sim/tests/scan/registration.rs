@@ -13,7 +13,7 @@ use nextview::session::{Session, SessionConfig, StepReport};
 use nextview::view::{ViewSpace, generate, look_at};
 use nextview_sim::camera::{Background, SimulatedCamera};
 use nextview_sim::mesh::TriangleMesh;
-use nextview_sim::noise::{DepthNoise, Noise, PoseError};
+use nextview_sim::noise::{SensorNoise, Noise, PoseError};
 use nextview_sim::random_object::random_object;
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
@@ -43,7 +43,7 @@ fn error(pose: &Pose, truth: &Pose, at: DVec3) -> (f64, f64) {
 }
 
 /// A random object, 0.2 m long, in a room.
-fn scene(seed: u64, depth: Option<DepthNoise>) -> Scene {
+fn scene(seed: u64, depth: Option<SensorNoise>) -> Scene {
     let mesh = random_object(seed);
     let mesh = mesh.scaled(0.2 / mesh.bounds().longest_side()).unwrap();
     let scene = Scene::new(mesh, Intrinsics::d435i()).unwrap();
@@ -52,7 +52,7 @@ fn scene(seed: u64, depth: Option<DepthNoise>) -> Scene {
 
 /// Looks at random objects from a dozen places all around, and again from others in poses that are wrong by
 /// centimetres and degrees. Most objects hold a frame in place, some are so round that the guard refuses.
-fn check_recovers(depth: Option<DepthNoise>) {
+fn check_recovers(depth: Option<SensorNoise>) {
     let (mut n_accepted, mut n_right, mut n_better) = (0, 0, 0);
     for seed in 0..12 {
         let scene = scene(seed, depth);
@@ -90,7 +90,7 @@ fn wrong_poses_are_found_out() {
 
 #[test]
 fn wrong_poses_are_found_out_in_spite_of_noise() {
-    check_recovers(Some(DepthNoise::d435i()));
+    check_recovers(Some(SensorNoise::d435i()));
 }
 
 /// A dozen frames around an object, each aligned to those before it, from poses that are wrong by a
@@ -109,7 +109,7 @@ fn given_poses(first_pose_is_right: bool) -> GivenPoses {
 }
 
 fn close_loop(seed: u64, first_pose_is_right: bool) -> Loop {
-    let scene = scene(seed, Some(DepthNoise::d435i()));
+    let scene = scene(seed, Some(SensorNoise::d435i()));
     let (center, bounds, never) = (scene.center(), scene.planning_box(VOXEL_SIZE), &Cancel::default());
     let mut random = Random::new(seed, 0);
     let config =
@@ -327,7 +327,7 @@ fn what_moves_farther_than_poses_can_be_wrong_is_refused() {
 
 const NOISE: Noise = Noise {
     seed: 3,
-    depth: Some(DepthNoise::d435i()),
+    depth: Some(SensorNoise::d435i()),
     pose: PoseError { translation_sigma: 0.01, rotation_sigma: 0.017 },
     first_pose_is_right: true,
 };

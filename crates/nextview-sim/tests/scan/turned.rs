@@ -10,7 +10,7 @@ use nextview::session::shown_object;
 use nextview::view::generate;
 use nextview_sim::builtin;
 use nextview_sim::mesh::TriangleMesh;
-use nextview_sim::noise::{DepthNoise, Noise};
+use nextview_sim::noise::{SensorNoise, Noise};
 use nextview_sim::quality::TrueSurface;
 use nextview_sim::scene::Scene;
 use std::f64::consts::PI;
@@ -37,7 +37,7 @@ fn brick() -> TriangleMesh {
 fn shown(mesh: &TriangleMesh, seed: u64) -> ShownObject {
     let scene = Scene::new(mesh.clone(), small_camera()).unwrap().with_table().unwrap();
     let scene =
-        scene.with_noise(Noise { seed, depth: Some(DepthNoise::d435i()), ..Noise::default() }).unwrap();
+        scene.with_noise(Noise { seed, depth: Some(SensorNoise::d435i()), ..Noise::default() }).unwrap();
     let views = generate::fibonacci_sphere(scene.center(), 0.35, 16).unwrap();
     let above = views.poses().iter().filter(|pose| pose.translation().z > 0.05);
     let frames: Vec<Frame> = above.map(|pose| scene.camera().capture(pose).unwrap()).collect();

@@ -12,7 +12,7 @@ use nextview::session::{
 };
 use nextview::view::{Reach, ViewSpace, generate, look_at};
 use nextview_sim::builtin;
-use nextview_sim::noise::{DepthNoise, Noise, PoseError};
+use nextview_sim::noise::{SensorNoise, Noise, PoseError};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use std::sync::Arc;
@@ -247,7 +247,7 @@ fn wrong_poses_do_not_make_the_table_a_part_of_the_object() {
     for name in ["teapot", "mug"] {
         let mut setup = Setup::new(name, true);
         let pose = PoseError { translation_sigma: 0.005, rotation_sigma: 0.5_f64.to_radians() };
-        let noise = Noise { seed: 1, depth: Some(DepthNoise::d435i()), pose, first_pose_is_right: false };
+        let noise = Noise { seed: 1, depth: Some(SensorNoise::d435i()), pose, first_pose_is_right: false };
         setup.scene = setup.scene.with_noise(noise).unwrap();
         let floor = setup.scene.room().min.z;
         for table in [Table::AtHeight(floor), Table::Fitted] {
@@ -265,7 +265,7 @@ fn wrong_poses_do_not_make_the_table_a_part_of_the_object() {
 #[test]
 fn a_table_that_the_first_frame_shows_badly_is_found_by_a_later_one() {
     let mut setup = Setup::seen_by(Intrinsics::d435i(), "mug", true);
-    let noise = Noise { seed: 2, depth: Some(DepthNoise::d435i()), ..Noise::default() };
+    let noise = Noise { seed: 2, depth: Some(SensorNoise::d435i()), ..Noise::default() };
     setup.scene = setup.scene.with_noise(noise).unwrap();
     let floor = setup.scene.room().min.z;
     let mut session = setup.session(setup.growing(Table::Fitted), setup.following(setup.first()));

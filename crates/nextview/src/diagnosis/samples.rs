@@ -20,7 +20,7 @@ const IN_BOX: f64 = 0.01;
 
 /// A sample of the measured pixels of a frame.
 #[derive(Clone, Debug)]
-pub(super) struct Samples {
+pub(super) struct PixelSample {
     pub world_from_camera: Pose,
     /// The points, in the camera frame.
     pub points: Vec<DVec3>,
@@ -28,7 +28,7 @@ pub(super) struct Samples {
     pub measured: f64,
 }
 
-impl Samples {
+impl PixelSample {
     /// Takes every n-th of the measured pixels, row by row.
     pub fn new(frame: &Frame) -> Self {
         let (image, intrinsics) = (frame.image(), frame.intrinsics());
@@ -59,13 +59,13 @@ impl Samples {
 /// How well frames fit together under a reading: the share of points that meet those of another frame, plus
 /// the share of frames that show the object's box, if that is known. 0 under another reading with implausible
 /// depths.
-pub(super) fn fit(frames: &[Samples], reading: Option<Reading>, bounds: Option<Aabb>) -> f64 {
+pub(super) fn fit(frames: &[PixelSample], reading: Option<Reading>, bounds: Option<Aabb>) -> f64 {
     let Some(depth) = median_depth(frames, reading) else { return 0.0 };
     if reading.is_some() && !DEPTHS.contains(&depth) {
         return 0.0;
     }
     let shown = bounds.map_or(0.0, |bounds| {
-        let shows = |frame: &&Samples| {
+        let shows = |frame: &&PixelSample| {
             let n_inside = frame.in_world(reading).filter(|point| bounds.contains(*point)).count();
             n_inside as f64 >= IN_BOX * frame.points.len().max(1) as f64
         };
@@ -75,7 +75,7 @@ pub(super) fn fit(frames: &[Samples], reading: Option<Reading>, bounds: Option<A
 }
 
 /// The median depth of all samples, metres; `None` if there are no samples.
-fn median_depth(frames: &[Samples], reading: Option<Reading>) -> Option<f64> {
+fn median_depth(frames: &[PixelSample], reading: Option<Reading>) -> Option<f64> {
     let depth = |point: &DVec3| reading.map_or(*point, |reading| reading.point(*point)).z;
     let mut depths: Vec<f64> = frames.iter().flat_map(|frame| &frame.points).map(depth).collect();
     let middle = depths.len() / 2;
@@ -83,7 +83,7 @@ fn median_depth(frames: &[Samples], reading: Option<Reading>) -> Option<f64> {
 }
 
 /// The share, 0..=1, of the points in cells, with this edge in metres, that points of several frames share.
-fn meeting(frames: &[Samples], reading: Option<Reading>, cell: f64) -> f64 {
+fn meeting(frames: &[PixelSample], reading: Option<Reading>, cell: f64) -> f64 {
     let n: usize = frames.iter().map(|frame| frame.points.len()).sum();
     // The first frame in a cell, the number of points there, and whether another frame was there, too.
     let mut cells: FxHashMap<IVec3, (usize, usize, bool)> = FxHashMap::default();

@@ -1,5 +1,5 @@
 use super::Reading;
-use super::samples::{Samples, fit};
+use super::samples::{PixelSample, fit};
 use crate::geometry::{Aabb, Pose};
 use crate::sensor::{DepthRange, Frame};
 use glam::DVec3;
@@ -80,7 +80,7 @@ pub fn suspect(frames: &[Frame], bounds: Option<Aabb>, range: DepthRange) -> Opt
     if has_same_pose(frames) {
         return Some(Suspicion::SamePose);
     }
-    let samples: Vec<Samples> = frames.iter().take(FRAMES).map(Samples::new).collect();
+    let samples: Vec<PixelSample> = frames.iter().take(FRAMES).map(PixelSample::new).collect();
     match misread(&samples, bounds) {
         Some(reading) => Some(Suspicion::Misread(reading)),
         None => match bounds {
@@ -104,7 +104,7 @@ pub fn suspect_poses(frame: &Frame, poses: &[Pose]) -> Option<Suspicion> {
         return Some(Suspicion::SamePose);
     }
     let from_axis = |point: &DVec3| point.truncate().length_squared() / (point.z * point.z);
-    let points = Samples::new(frame).points;
+    let points = PixelSample::new(frame).points;
     let in_camera = points.into_iter().min_by(|a, b| from_axis(a).total_cmp(&from_axis(b)))?;
     let share = |reading: Option<Reading>| {
         let read = |pose: &Pose| reading.map_or(*pose, |reading| reading.pose(pose));
@@ -135,7 +135,7 @@ pub fn suspect_poses(frame: &Frame, poses: &[Pose]) -> Option<Suspicion> {
 }
 
 /// The one reading under which the frames fit, if they do not fit as given.
-fn misread(frames: &[Samples], bounds: Option<Aabb>) -> Option<Reading> {
+fn misread(frames: &[PixelSample], bounds: Option<Aabb>) -> Option<Reading> {
     let best_possible = if bounds.is_some() { 2.0 } else { 1.0 };
     let least = LEAST_FIT.max(TIMES_BETTER * fit(frames, None, bounds));
     if least > best_possible {
@@ -148,8 +148,8 @@ fn misread(frames: &[Samples], bounds: Option<Aabb>) -> Option<Reading> {
     (best >= least && best >= next + LEAST_LEAD).then_some(reading)
 }
 
-fn nothing_measured(samples: &Samples) -> Option<Suspicion> {
-    let Samples { measured, .. } = *samples;
+fn nothing_measured(samples: &PixelSample) -> Option<Suspicion> {
+    let PixelSample { measured, .. } = *samples;
     (measured < LEAST_MEASURED).then_some(Suspicion::NothingMeasured { measured })
 }
 
@@ -161,7 +161,7 @@ fn nothing_shown(frame: &Frame, bounds: &Aabb, range: DepthRange) -> Option<Susp
     let camera = frame.world_from_camera().translation();
     let distance = camera.distance(camera.clamp(bounds.min, bounds.max));
     let farthest = bounds.corners().map(|corner| corner.distance(camera)).into_iter().fold(0.0, f64::max);
-    let samples = Samples::new(frame);
+    let samples = PixelSample::new(frame);
     let points = Aabb::around(samples.in_world(None)).filter(|_| samples.measured >= LEAST_MEASURED);
     Some(match points {
         _ if farthest < range.min => Suspicion::TooNear { distance, least: range.min },
@@ -186,7 +186,7 @@ fn is_near(a: &Pose, b: &Pose) -> bool {
 
 /// Whether most pixels of two frames have about the same depth: noise differs, but another view differs more.
 fn shows_the_same(a: &Frame, b: &Frame) -> bool {
-    let (a, b) = (Samples::new(a), Samples::new(b));
+    let (a, b) = (PixelSample::new(a), PixelSample::new(b));
     fit(&[a, b], None, None) > 0.9
 }
 

@@ -19,12 +19,12 @@ use crate::{Cancel, Cancelled};
 /// included.
 #[derive(Clone, Debug)]
 pub struct AreaFactor {
-    sights: Vec<Seen>,
+    sights: Vec<SeenKind>,
 }
 
 /// The kind of voxel seen by a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Seen {
+enum SeenKind {
     Nothing,
     Occplane,
     Unmarked,
@@ -46,17 +46,17 @@ impl InformationGain for AreaFactor {
     fn new(snapshot: &Snapshot, _: &[Frame], _: &Cancel) -> Result<Self, Cancelled> {
         let has_surface = snapshot.count(Occupancy::Occupied) > 0;
         let seen = |index: usize| match snapshot.occupancy()[index] {
-            Occupancy::Unknown if has_surface && touches_free(snapshot, index) => Seen::Occplane,
-            Occupancy::Unknown => Seen::Unmarked,
-            Occupancy::Free | Occupancy::Occupied => Seen::Nothing,
+            Occupancy::Unknown if has_surface && touches_free(snapshot, index) => SeenKind::Occplane,
+            Occupancy::Unknown => SeenKind::Unmarked,
+            Occupancy::Free | Occupancy::Occupied => SeenKind::Nothing,
         };
         Ok(Self { sights: (0..snapshot.block().n_voxels()).map(seen).collect() })
     }
 
     fn add(&self, ray: &Ray<'_>, areas: &mut Areas) {
         let mut sights = ray.crossings.iter().map(|crossing| self.sights[crossing.voxel as usize]);
-        match sights.find(|&seen| seen != Seen::Nothing) {
-            Some(Seen::Occplane) => areas.n_occplane += 1,
+        match sights.find(|&seen| seen != SeenKind::Nothing) {
+            Some(SeenKind::Occplane) => areas.n_occplane += 1,
             Some(_) => areas.n_unmarked += 1,
             None => areas.n_occupied += matches!(ray.end, RayEnd::Occupied(_)) as u64,
         }

@@ -18,7 +18,7 @@ pub struct ExpectedSurface<'a> {
     estimate: &'a SurfaceEstimate,
     caster: ValueCaster<'a>,
     /// The voxels of the estimate.
-    items: Vec<Item>,
+    items: Vec<SurveyVoxel>,
     /// An origin near the block, metres, so that single precision is enough; the world's if that is near.
     origin: DVec3,
 }
@@ -26,7 +26,7 @@ pub struct ExpectedSurface<'a> {
 /// The data of a voxel for a survey, in one cache line.
 #[derive(Debug)]
 #[repr(align(32))]
-struct Item {
+struct SurveyVoxel {
     /// The middle of the voxel, metres from [`ExpectedSurface::origin`].
     center: Vec3,
     /// As [`SurfaceEstimate::normal`].
@@ -71,7 +71,7 @@ impl<'a> ExpectedSurface<'a> {
         estimate.voxels().iter().for_each(|&voxel| is_item[voxel as usize] = 1.0);
         let (lattice, block) = (snapshot.lattice(), snapshot.block());
         let (local, origin) = (block.localized(), block.local_origin().as_dvec3() * lattice.voxel_size());
-        let item = |(i, &voxel): (usize, &u32)| Item {
+        let item = |(i, &voxel): (usize, &u32)| SurveyVoxel {
             center: lattice.center(local.key(voxel as usize)).as_vec3(),
             normal: estimate.normal(i),
             is_measured: measured.is_measured(voxel as usize),
@@ -122,7 +122,7 @@ impl ViewEvaluator<'_> {
         });
         let camera = (world_from_camera.translation() - gain.origin).as_vec3();
         for item in seen.drain(..).map(|item| item as usize) {
-            let Item { center, normal, is_measured } = gain.items[item];
+            let SurveyVoxel { center, normal, is_measured } = gain.items[item];
             let facing = (camera - center).normalize().dot(normal);
             let visibility = std::mem::take(&mut visibility[item]);
             if !is_measured {

@@ -11,7 +11,7 @@ const LANES: usize = 16;
 
 /// For some voxels side by side along x, the squared distances to the K nearest points, ascending. Signed,
 /// because plain x86-64 cannot compare unsigned vectors.
-type Lists<const K: usize> = [[i32; LANES]; K];
+type DistanceLists<const K: usize> = [[i32; LANES]; K];
 
 /// Returns the sum of the squared distances, in voxels, from every needed voxel of the block to the K nearest
 /// of the given voxels, which must be in increasing order. Distances of at least [`FAR_SQ`], and missing
@@ -62,7 +62,7 @@ struct Slab<'a, const K: usize> {
 }
 
 impl<const K: usize> Slab<'_, K> {
-    const NOTHING: Lists<K> = [[FAR_SQ as i32; LANES]; K];
+    const NOTHING: DistanceLists<K> = [[FAR_SQ as i32; LANES]; K];
 
     /// The sums of all voxels of the slab, x varying fastest.
     #[inline(always)]
@@ -70,7 +70,7 @@ impl<const K: usize> Slab<'_, K> {
         let plane_of = |row: &[usize]| row[0] / (self.n_x * self.n_y);
         let planes: Vec<&[&[usize]]> = self.rows.chunk_by(|a, b| plane_of(a) == plane_of(b)).collect();
         let z: Vec<usize> = planes.iter().map(|rows| plane_of(rows[0])).collect();
-        let mut in_plane: Vec<Lists<K>> = Vec::with_capacity(planes.len() * self.n_y);
+        let mut in_plane: Vec<DistanceLists<K>> = Vec::with_capacity(planes.len() * self.n_y);
         for rows in planes {
             cancel.check()?;
             self.push_plane(rows, &mut in_plane);
@@ -97,9 +97,9 @@ impl<const K: usize> Slab<'_, K> {
 
     /// Appends the lists of all rows of a plane, from the points of that plane alone.
     #[inline(always)]
-    fn push_plane(&self, rows: &[&[usize]], in_plane: &mut Vec<Lists<K>>) {
+    fn push_plane(&self, rows: &[&[usize]], in_plane: &mut Vec<DistanceLists<K>>) {
         let y: Vec<usize> = rows.iter().map(|row| row[0] / self.n_x % self.n_y).collect();
-        let in_row: Vec<Lists<K>> = rows.iter().map(|row| self.row(row)).collect();
+        let in_row: Vec<DistanceLists<K>> = rows.iter().map(|row| self.row(row)).collect();
         let mut nearest = Self::NOTHING;
         for at in 0..self.n_y {
             nearest = next_lists(&nearest);
@@ -110,7 +110,7 @@ impl<const K: usize> Slab<'_, K> {
 
     /// The lists of a row from its own points.
     #[inline(always)]
-    fn row(&self, points: &[usize]) -> Lists<K> {
+    fn row(&self, points: &[usize]) -> DistanceLists<K> {
         let mut nearest = Self::NOTHING;
         for point in points {
             let x = point % self.n_x;
@@ -130,9 +130,9 @@ impl<const K: usize> Slab<'_, K> {
 /// increase, is `lists[i * stride]`.
 #[inline(always)]
 fn merge_line<const K: usize>(
-    nearest: &mut Lists<K>,
+    nearest: &mut DistanceLists<K>,
     places: &[usize],
-    lists: &[Lists<K>],
+    lists: &[DistanceLists<K>],
     stride: usize,
     at: usize,
 ) {
@@ -158,14 +158,14 @@ fn merge_line<const K: usize>(
 /// The initial lists of a voxel, one step along a line from one of these lists. Its K nearest points are at
 /// most as far as theirs plus the step, so nothing beyond is ever inserted.
 #[inline(always)]
-fn next_lists<const K: usize>(nearest: &Lists<K>) -> Lists<K> {
+fn next_lists<const K: usize>(nearest: &DistanceLists<K>) -> DistanceLists<K> {
     let limit = nearest[K - 1].map(|d| (d + 2 + (2.0 * (d as f32).sqrt()) as i32 + 1).min(FAR_SQ as i32));
     [limit; K]
 }
 
 /// Inserts the distances of `other`, moved away by `offset`, into the ascending lists.
 #[inline(always)]
-fn merge<const K: usize>(nearest: &mut Lists<K>, other: &Lists<K>, offset: i32) {
+fn merge<const K: usize>(nearest: &mut DistanceLists<K>, other: &DistanceLists<K>, offset: i32) {
     for distance_sq in other {
         let distance_sq = std::array::from_fn(|lane| distance_sq[lane] + offset);
         if !any_less(&distance_sq, &nearest[K - 1]) {
@@ -177,7 +177,7 @@ fn merge<const K: usize>(nearest: &mut Lists<K>, other: &Lists<K>, offset: i32) 
 
 /// Inserts a distance into each ascending list and drops the largest.
 #[inline(always)]
-fn insert<const K: usize>(nearest: &mut Lists<K>, mut distance_sq: [i32; LANES]) {
+fn insert<const K: usize>(nearest: &mut DistanceLists<K>, mut distance_sq: [i32; LANES]) {
     for of in nearest {
         for lane in 0..LANES {
             let (a, b) = (of[lane], distance_sq[lane]);

@@ -1,7 +1,7 @@
 use super::seen_voxels::{caster, occupied_voxels};
 use crate::geometry::Pose;
 use crate::map::{Occupancy, Snapshot};
-use crate::sensor::{Depth, DepthRange, Frame, Intrinsics, SurfaceError};
+use crate::sensor::{Depth, DepthRange, Frame, Intrinsics, SurfaceNoise};
 use crate::visibility::RayCaster;
 use crate::{Cancel, Cancelled};
 use glam::DVec3;
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 pub struct SurerSurface<'a> {
     snapshot: &'a Snapshot,
     caster: RayCaster<'a>,
-    error: SurfaceError,
+    error: SurfaceNoise,
     /// Focal length, pixels.
     focal: f64,
     /// Metres.
@@ -58,7 +58,7 @@ impl<'a> SurerSurface<'a> {
         intrinsics: &Intrinsics,
         depth_range: DepthRange,
         frames: &[Frame],
-        error: SurfaceError,
+        error: SurfaceNoise,
         tolerance: f64,
         cancel: &Cancel,
     ) -> Result<Self, Cancelled> {
@@ -147,13 +147,13 @@ mod tests {
     const TOLERANCE: f64 = 0.25 * VOXEL;
 
     /// An error of some millimetres at 0.4 m.
-    fn error() -> SurfaceError {
-        let mut error = SurfaceError::of_unknown_camera();
+    fn error() -> SurfaceNoise {
+        let mut error = SurfaceNoise::of_unknown_camera();
         error.depth.quadratic = 0.01;
         error
     }
 
-    fn gain<'a>(snapshot: &'a Snapshot, taken: &[f64], error: SurfaceError) -> SurerSurface<'a> {
+    fn gain<'a>(snapshot: &'a Snapshot, taken: &[f64], error: SurfaceNoise) -> SurerSurface<'a> {
         let frames: Vec<Frame> = taken.iter().map(|&degrees| frame(beside(degrees))).collect();
         let (camera, range, never) = (Intrinsics::d435i(), DepthRange::default(), Cancel::default());
         SurerSurface::new(snapshot, &camera, range, &frames, error, TOLERANCE, &never).unwrap()
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn where_all_is_sure_or_nothing_was_seen_there_is_no_gain() {
         let snapshot = plate();
-        let exact = gain(&snapshot, &[0.0, 0.0, 20.0], SurfaceError::default());
+        let exact = gain(&snapshot, &[0.0, 0.0, 20.0], SurfaceNoise::default());
         assert_eq!((exact.unsure(), exact.gain(&beside(40.0))), (0.0, 0.0));
         let blind = gain(&snapshot, &[], error());
         assert_eq!((blind.unsure(), blind.gain(&beside(40.0))), (0.0, 0.0));

@@ -29,7 +29,7 @@ impl NearestSource {
             source: index as u32,
         };
         let mut nearest: Vec<Nearest> = (0..block.n_voxels()).map(at).collect();
-        let mut line = Line::default();
+        let mut line = LineBuffers::default();
         for (stride, length) in block.strides().into_iter().zip(block.dims().to_array()) {
             let starts = (0..nearest.len()).filter(|start| start / stride % length as usize == 0);
             starts.for_each(|start| line.relax(&mut nearest[start..], stride, length as usize));
@@ -45,7 +45,7 @@ impl NearestSource {
 
 /// Buffers for one line of voxels along an axis.
 #[derive(Default)]
-struct Line {
+struct LineBuffers {
     /// A copy of the line.
     before: Vec<Nearest>,
     /// The positions whose parabolas form the lower envelope, each with the position from which it is the
@@ -53,7 +53,7 @@ struct Line {
     envelope: Vec<(usize, i64)>,
 }
 
-impl Line {
+impl LineBuffers {
     /// Updates each voxel from the sources of the others in its line.
     fn relax(&mut self, nearest: &mut [Nearest], stride: usize, length: usize) {
         self.before.clear();

@@ -28,17 +28,17 @@ impl SegmentFan {
     /// units of voxels. There must be one more cell than voxels in the block; its value is meaningless.
     pub fn mark_crossed(&self, ends: &[DVec3], cells: &[AtomicU8]) {
         assert_eq!(cells.len(), self.cells.n_voxels() + 1);
-        instructions().dispatch(Crossing { fan: self, ends, cells });
+        instructions().dispatch(FanCrossing { fan: self, ends, cells });
     }
 }
 
-struct Crossing<'a> {
+struct FanCrossing<'a> {
     fan: &'a SegmentFan,
     ends: &'a [DVec3],
     cells: &'a [AtomicU8],
 }
 
-impl WithSimd for Crossing<'_> {
+impl WithSimd for FanCrossing<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -54,7 +54,7 @@ impl WithSimd for Crossing<'_> {
 /// Segments under way; the names are those of `SegmentWalk`. The code below has no closures: if not inlined,
 /// they are compiled without vector instructions, and each of those becomes a call.
 struct Walk<S: Simd> {
-    axes: [Axis<S>; 3],
+    axes: [FanAxis<S>; 3],
     /// The cell of the current voxel, and that of the end or a nonexistent one, as an [index](cell).
     index: S::f64s,
     end_index: S::f64s,
@@ -64,7 +64,7 @@ struct Walk<S: Simd> {
 }
 
 #[derive(Clone, Copy)]
-struct Axis<S: Simd> {
+struct FanAxis<S: Simd> {
     t_next: S::f64s,
     t_first: S::f64s,
     t_delta: S::f64s,
@@ -176,7 +176,7 @@ impl<S: Simd> Approach<S> {
     }
 }
 
-impl<S: Simd> Axis<S> {
+impl<S: Simd> FanAxis<S> {
     /// Returns the axis after `n` steps, with `room` more in the box.
     #[inline(always)]
     fn new(simd: S, approach: &Approach<S>, n: S::f64s, room: S::f64s, stride: f64) -> Self {
@@ -220,7 +220,7 @@ impl<S: Simd> Walk<S> {
         let y = AxisInput::new(fan, ends, 1);
         let z = AxisInput::new(fan, ends, 2);
         let approaches = [Approach::new(simd, &x), Approach::new(simd, &y), Approach::new(simd, &z)];
-        let mut entry = Entry::new(simd, &approaches);
+        let mut entry = EnteringSegments::new(simd, &approaches);
         let x = entry.enter(simd, fan, &approaches[0], &x, 0);
         let y = entry.enter(simd, fan, &approaches[1], &y, 1);
         let z = entry.enter(simd, fan, &approaches[2], &z, 2);
@@ -282,7 +282,7 @@ impl<S: Simd> Walk<S> {
 }
 
 /// Segments that enter the box, one axis after the other.
-struct Entry<S: Simd> {
+struct EnteringSegments<S: Simd> {
     /// The last crossing that brings a segment into the slabs of the box, and its axis; minus infinity and -1
     /// if it starts in all of them.
     t_in: S::f64s,
@@ -294,7 +294,7 @@ struct Entry<S: Simd> {
     goes_on: S::m64s,
 }
 
-impl<S: Simd> Entry<S> {
+impl<S: Simd> EnteringSegments<S> {
     #[inline(always)]
     fn new(simd: S, approaches: &[Approach<S>; 3]) -> Self {
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
@@ -319,7 +319,7 @@ impl<S: Simd> Entry<S> {
         approach: &Approach<S>,
         input: &AxisInput,
         axis: usize,
-    ) -> Axis<S> {
+    ) -> FanAxis<S> {
         let also_at = simd.less_than_or_equal_f64s(simd.splat_f64s(axis as f64), self.entering);
         let n = approach.n_crossings(simd, self.t_in, also_at);
         let key = simd.add_f64s(simd.splat_f64s(input.from.floor()), simd.mul_f64s(approach.step, n));
@@ -335,7 +335,7 @@ impl<S: Simd> Entry<S> {
         self.end_index = simd.add_f64s(self.end_index, place(simd, to_floor, first, stride));
         let backward = simd.less_than_f64s(approach.step, simd.splat_f64s(0.0));
         let room = simd.select_f64s(backward, simd.sub_f64s(key, min), simd.sub_f64s(max, key));
-        Axis::new(simd, approach, n, room, stride)
+        FanAxis::new(simd, approach, n, room, stride)
     }
 }
 
@@ -372,9 +372,9 @@ mod tests {
         cells
     }
 
-    fn marks(fan: &SegmentFan, ends: &[DVec3], mark: impl Fn(Crossing)) -> Vec<u8> {
+    fn marks(fan: &SegmentFan, ends: &[DVec3], mark: impl Fn(FanCrossing)) -> Vec<u8> {
         let cells: Vec<AtomicU8> = (0..=fan.cells.n_voxels()).map(|_| AtomicU8::new(0)).collect();
-        mark(Crossing { fan, ends, cells: &cells });
+        mark(FanCrossing { fan, ends, cells: &cells });
         cells.into_iter().map(AtomicU8::into_inner).take(fan.cells.n_voxels()).collect()
     }
 

@@ -27,14 +27,14 @@ pub struct SegmentWalk {
     step: IVec3,
     // Three fields rather than an array: with an index known only at run time, the walk's state would live in
     // memory and a step would cost three times as much.
-    x: Axis,
-    y: Axis,
-    z: Axis,
+    x: WalkAxis,
+    y: WalkAxis,
+    z: WalkAxis,
 }
 
 /// The progress of a walk along one axis. Positions along the walk are measured in lengths of its direction.
 #[derive(Clone, Copy, Debug)]
-struct Axis {
+struct WalkAxis {
     /// Position of the next border crossing; infinite once the axis is done.
     t_next: f64,
     /// Position of the first border crossing, and the distance between crossings.
@@ -49,7 +49,7 @@ struct Axis {
     then_done: bool,
 }
 
-impl Axis {
+impl WalkAxis {
     fn new(from: f64, direction: f64, n_end: f64) -> Self {
         let inverse = 1.0 / direction;
         let border = if direction > 0.0 { from.floor() + 1.0 } else { from.floor() };
@@ -144,7 +144,7 @@ impl SegmentWalk {
 
     fn with_steps(from: DVec3, direction: DVec3, n_steps: DVec3) -> Self {
         let step = IVec3::from_array(direction.to_array().map(|d| (d > 0.0) as i32 - (d < 0.0) as i32));
-        let axis = |i: usize| Axis::new(from[i], direction[i], n_steps[i]);
+        let axis = |i: usize| WalkAxis::new(from[i], direction[i], n_steps[i]);
         Self { key: from.floor().as_ivec3(), step, x: axis(0), y: axis(1), z: axis(2) }
     }
 

@@ -4,7 +4,7 @@ use super::brick::CELLS;
 use super::integration::{Integration, MapUpdate};
 use super::key_box::KeyBox;
 use super::marks::{HIT, MISS, Marks};
-use super::scan::{Scan, ScanRules};
+use super::scan::{VoxelScan, ScanRules};
 use super::{LogOdds, OccupancyMap, SensorModel};
 use crate::geometry::check_position;
 use crate::instructions::instructions;
@@ -55,17 +55,17 @@ impl OccupancyMap {
             let finite = points.iter().filter(|point| point.is_finite());
             rules.scan(finite.map(|&point| (point, true)))
         });
-        self.check_and_write(Scan::union(parts.collect(), &rules), &rules)
+        self.check_and_write(VoxelScan::union(parts.collect(), &rules), &rules)
     }
 
-    fn check_and_write(&mut self, scan: Scan, rules: &ScanRules) -> Result<MapUpdate, Error> {
+    fn check_and_write(&mut self, scan: VoxelScan, rules: &ScanRules) -> Result<MapUpdate, Error> {
         if rules.region.is_none() {
             scan.check_size(rules.origin)?;
         }
         Ok(self.write(scan, rules, &Cancel::default())?)
     }
 
-    fn write(&mut self, scan: Scan, rules: &ScanRules, cancel: &Cancel) -> Result<MapUpdate, Cancelled> {
+    fn write(&mut self, scan: VoxelScan, rules: &ScanRules, cancel: &Cancel) -> Result<MapUpdate, Cancelled> {
         cancel.check()?;
         let keys = rules.region.or_else(|| scan.reach(rules.origin));
         let mut writer = Writer {
@@ -96,7 +96,7 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    fn write(&mut self, scan: Scan, keys: KeyBox) -> Result<(), Cancelled> {
+    fn write(&mut self, scan: VoxelScan, keys: KeyBox) -> Result<(), Cancelled> {
         if scan.ends.is_empty() {
             return Ok(());
         }
@@ -112,14 +112,14 @@ impl Writer<'_> {
         }
     }
 
-    fn write_tile(&mut self, scan: &Scan, keys: KeyBox) {
+    fn write_tile(&mut self, scan: &VoxelScan, keys: KeyBox) {
         instructions().dispatch(WriteTile { writer: self, scan, keys });
     }
 }
 
 struct WriteTile<'a, 'b> {
     writer: &'a mut Writer<'b>,
-    scan: &'a Scan,
+    scan: &'a VoxelScan,
     keys: KeyBox,
 }
 

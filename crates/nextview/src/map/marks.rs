@@ -1,6 +1,6 @@
 use super::brick::{BRICK_EDGE, CELLS};
 use super::key_box::KeyBox;
-use super::scan::Scan;
+use super::scan::VoxelScan;
 use crate::geometry::{SegmentFan, VoxelBlock, VoxelKey};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -28,7 +28,7 @@ impl Marks {
     pub fn visit(
         &mut self,
         origin: DVec3,
-        scan: &Scan,
+        scan: &VoxelScan,
         keys: KeyBox,
         mut visit: impl FnMut(VoxelKey, &[u8; CELLS]),
     ) {

@@ -9,7 +9,7 @@ use rustc_hash::FxHashSet;
 
 /// The content of a scan, in units of voxels: the ends of its rays and the voxels with a surface.
 #[derive(Default)]
-pub(super) struct Scan {
+pub(super) struct VoxelScan {
     pub ends: Vec<DVec3>,
     /// The voxels with a surface; they may occur several times.
     pub hits: Vec<VoxelKey>,
@@ -39,15 +39,15 @@ impl ScanRules {
     }
 
     /// Returns the scan of a frame.
-    pub fn scan_of_frame(&self, frame: &Frame) -> Scan {
+    pub fn scan_of_frame(&self, frame: &Frame) -> VoxelScan {
         let rows = (0..frame.image().height()).into_par_iter();
         let parts = rows.map(|v| self.scan(frame.row_ray_ends(v)));
-        Scan::union(parts.collect(), self)
+        VoxelScan::union(parts.collect(), self)
     }
 
     /// Returns the scan with these ray ends, in world coordinates, each with whether it is a surface.
-    pub fn scan(&self, ends: impl Iterator<Item = (DVec3, bool)>) -> Scan {
-        let mut scan = Scan::default();
+    pub fn scan(&self, ends: impl Iterator<Item = (DVec3, bool)>) -> VoxelScan {
+        let mut scan = VoxelScan::default();
         instructions().dispatch(
             #[inline(always)]
             || {
@@ -60,7 +60,7 @@ impl ScanRules {
     }
 
     #[inline(always)]
-    fn add(&self, scan: &mut Scan, end: DVec3, hit: bool) {
+    fn add(&self, scan: &mut VoxelScan, end: DVec3, hit: bool) {
         let hit = hit && self.integration.ground.is_none_or(|ground| ground.height(end) > 0.0);
         let end = self.lattice.to_voxels(end);
         // Not yet a key: conversion to integers costs more than everything else here.
@@ -101,7 +101,7 @@ impl ScanRules {
     }
 }
 
-impl Scan {
+impl VoxelScan {
     /// Merges several scans into one; each end counts once if the rule says so.
     pub fn union(parts: Vec<Self>, rules: &ScanRules) -> Self {
         let ends = parts.iter().flat_map(|part| &part.ends);

@@ -2,7 +2,7 @@
 
 use super::brick::{BRICK_EDGE, CELLS, brick_key};
 use super::key_box::KeyBox;
-use super::scan::Scan;
+use super::scan::VoxelScan;
 use crate::Error;
 use crate::geometry::{Lattice, SegmentWalk};
 use glam::{DVec3, IVec3};
@@ -18,7 +18,7 @@ const MOST_BRICKS: usize = 1 << 21;
 /// or less.
 const MOST_BRICKS_OF_BOX: f64 = 2.0 * MOST_BRICKS as f64;
 
-impl Scan {
+impl VoxelScan {
     /// Fails if the scan, with rays that start here, in units of voxels, has points too far away for keys, or
     /// would take too much time or memory.
     pub fn check_size(&self, origin: DVec3) -> Result<(), Error> {

@@ -41,7 +41,7 @@ pub(super) fn long_tour(
     let mut orders = [given, first, backward].map(|order| (length(&order), order));
     orders.sort_by(|a, b| a.0.total_cmp(&b.0));
     let [(length, order), ..] = orders;
-    let mut search = Search::new(start, positions, ball, order);
+    let mut search = TourSearch::new(start, positions, ball, order);
     search.improve(&neighbors, TOLERANCE * length, cancel)?;
     Ok(search.order)
 }
@@ -102,7 +102,7 @@ fn neighbors(positions: &[DVec3], curves: &[Vec<usize>; 2]) -> Vec<Vec<u32>> {
 }
 
 /// An order under improvement.
-struct Search<'a> {
+struct TourSearch<'a> {
     start: Option<DVec3>,
     positions: &'a [DVec3],
     ball: &'a KeepOut,
@@ -111,7 +111,7 @@ struct Search<'a> {
     index: Vec<usize>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> TourSearch<'a> {
     fn new(start: Option<DVec3>, positions: &'a [DVec3], ball: &'a KeepOut, order: Vec<usize>) -> Self {
         let mut search = Self { start, positions, ball, index: vec![0; order.len()], order };
         search.number(0, search.order.len());

@@ -16,7 +16,7 @@ mod waypoint;
 
 pub use config::MotionConfig;
 pub use path::KeepOut;
-pub use profile::Profile;
+pub use profile::SpeedProfile;
 pub(crate) use tour::tour_unless;
 pub use tour::{detour, tour, tour_length};
 pub use trajectory::{Surroundings, Trajectory};

@@ -2,15 +2,15 @@
 /// speed over time is a trapezoid, or a triangle if the path is too short for full speed.
 ///
 /// ```
-/// use nextview::motion::Profile;
+/// use nextview::motion::SpeedProfile;
 ///
-/// let profile = Profile::new(1.0, 0.25, 0.5); // 1 m at 0.25 m/s, which is reached after 0.5 s
+/// let profile = SpeedProfile::new(1.0, 0.25, 0.5); // 1 m at 0.25 m/s, which is reached after 0.5 s
 /// assert_eq!(profile.duration(), 0.5 + 3.75 - 0.25 + 0.5);
 /// assert_eq!(profile.distance_at(0.5), 0.0625);
 /// assert_eq!(profile.time_at(0.0625), 0.5);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Profile {
+pub struct SpeedProfile {
     length: f64,
     acceleration: f64,
     /// Time of acceleration, and of deceleration, seconds.
@@ -18,7 +18,7 @@ pub struct Profile {
     duration: f64,
 }
 
-impl Profile {
+impl SpeedProfile {
     /// Creates the profile of a path of this length, not negative, under positive limits; all finite.
     pub fn new(length: f64, speed: f64, acceleration: f64) -> Self {
         let ramp = (speed / acceleration).min((length / acceleration).sqrt());
@@ -71,7 +71,7 @@ mod tests {
         fn limits_hold_and_cannot_be_used_better(
             length in prop_oneof![Just(0.0), 1e-6..1e-3, 1e-3..10.0], speed in 0.01..2.0, acceleration in 0.05..5.0
         ) {
-            let profile = Profile::new(length, speed, acceleration);
+            let profile = SpeedProfile::new(length, speed, acceleration);
             let n = 2000;
             let dt = profile.duration() / n as f64;
             let at: Vec<f64> = (0..=n).map(|i| profile.distance_at(i as f64 * dt)).collect();
@@ -100,9 +100,9 @@ mod tests {
 
     #[test]
     fn known_durations() {
-        assert_eq!(Profile::new(0.0, 0.25, 0.5).duration(), 0.0);
-        assert_eq!(Profile::new(0.125, 0.25, 0.5).duration(), 1.0, "just full speed");
-        assert_eq!(Profile::new(0.02, 0.25, 0.5).duration(), 0.4, "a triangle");
-        assert_eq!(Profile::new(0.5, 0.25, 0.5).duration(), 2.5);
+        assert_eq!(SpeedProfile::new(0.0, 0.25, 0.5).duration(), 0.0);
+        assert_eq!(SpeedProfile::new(0.125, 0.25, 0.5).duration(), 1.0, "just full speed");
+        assert_eq!(SpeedProfile::new(0.02, 0.25, 0.5).duration(), 0.4, "a triangle");
+        assert_eq!(SpeedProfile::new(0.5, 0.25, 0.5).duration(), 2.5);
     }
 }

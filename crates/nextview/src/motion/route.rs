@@ -4,7 +4,7 @@ use glam::DVec3;
 
 /// A path around a ball and above a floor: straight lines between corners, both ends included.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Route {
+pub(super) struct Detour {
     pub corners: Vec<DVec3>,
     /// Radius of the arc that the corners follow if the path is not straight, metres.
     pub radius: f64,
@@ -16,7 +16,7 @@ impl KeepOut {
     /// leaves and reaches an end inside the ball level.
     ///
     /// No point is lower than the floor, or than the lower end if that is below the floor.
-    pub(super) fn route(&self, from: DVec3, to: DVec3, floor: Option<&Plane>) -> Route {
+    pub(super) fn route(&self, from: DVec3, to: DVec3, floor: Option<&Plane>) -> Detour {
         let corners = self.path(from, to);
         let dips = |floor: &&Plane| {
             let lowest = floor.height(from).min(floor.height(to)).min(0.0);
@@ -24,14 +24,14 @@ impl KeepOut {
         };
         match floor.filter(dips) {
             Some(floor) => self.level_route(from, to, floor.normal()),
-            None => Route { corners, radius: self.radius },
+            None => Detour { corners, radius: self.radius },
         }
     }
 
     /// In its plane, the whole path is to the side of the line between the gates, never before or behind it,
     /// and so no lower than the lower gate. It is at most pi / 2 times as long as that line, as around every
     /// circle with both ends outside.
-    fn level_route(&self, from: DVec3, to: DVec3, up: DVec3) -> Route {
+    fn level_route(&self, from: DVec3, to: DVec3, up: DVec3) -> Detour {
         let (a, b) = (self.level_gate(from, to, up), self.level_gate(to, from, up));
         let beside = up.cross(b - a).try_normalize().unwrap_or_else(|| up.any_orthonormal_vector());
         let normal = (b - a).cross(beside).normalize_or(up);
@@ -42,7 +42,7 @@ impl KeepOut {
         corners.extend(circle.path_by(a, b, Some(normal)));
         corners.push(to);
         corners.dedup();
-        Route { corners, radius }
+        Detour { corners, radius }
     }
 
     /// The end itself. For an end inside the ball, the point level with it where the path leaves the ball,
@@ -108,7 +108,7 @@ mod tests {
         for _ in 0..1_000_000 {
             let (ball, floor, [from, to]) = case(&mut random);
             for floor in [None, Some(&floor)] {
-                let Route { corners, .. } = ball.route(from, to, floor);
+                let Detour { corners, .. } = ball.route(from, to, floor);
                 assert_eq!((corners.first(), corners.last()), (Some(&from), Some(&to)));
                 let depth = |end: DVec3| end.distance(ball.center()).min(ball.radius());
                 let deepest = depth(from).min(depth(to));

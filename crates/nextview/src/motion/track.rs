@@ -1,7 +1,7 @@
 use super::path::MAX_TURN;
-use super::route::Route;
+use super::route::Detour;
 use super::waypoint::Waypoint;
-use super::{MotionConfig, Profile};
+use super::{MotionConfig, SpeedProfile};
 use crate::geometry::Pose;
 use glam::{DQuat, DVec3};
 use std::iter::once;
@@ -20,7 +20,7 @@ const SAME: f64 = 1e-9;
 /// The course of a path and the rotation of the camera along it.
 pub(super) struct Track {
     /// At least two.
-    corners: Vec<Corner>,
+    corners: Vec<TrackCorner>,
     /// Middle of the ball that the camera looks at.
     middle: Option<DVec3>,
     /// Radius of the arc, metres.
@@ -30,7 +30,7 @@ pub(super) struct Track {
     rest_angle: f64,
 }
 
-struct Corner {
+struct TrackCorner {
     position: DVec3,
     /// Length of the path so far, metres.
     length: f64,
@@ -40,9 +40,9 @@ struct Corner {
 }
 
 impl Track {
-    pub fn new(from: &Pose, to: &Pose, route: &Route, middle: Option<DVec3>) -> Self {
+    pub fn new(from: &Pose, to: &Pose, route: &Detour, middle: Option<DVec3>) -> Self {
         let (start, end) = (from.translation(), to.translation());
-        let first = Corner { position: start, length: 0.0, rotation: from.rotation(), turn: 0.0 };
+        let first = TrackCorner { position: start, length: 0.0, rotation: from.rotation(), turn: 0.0 };
         let mut track = Self {
             corners: vec![first],
             middle,
@@ -75,7 +75,7 @@ impl Track {
         }
     }
 
-    fn end(&self) -> &Corner {
+    fn end(&self) -> &TrackCorner {
         self.corners.last().expect("a track has a first corner")
     }
 
@@ -88,7 +88,7 @@ impl Track {
         let following = self.following(last.position, position);
         let rotation = (following * last.rotation).normalize();
         let (length, turn) = (last.length + distance, last.turn + angle(following));
-        self.corners.push(Corner { position, length, rotation, turn });
+        self.corners.push(TrackCorner { position, length, rotation, turn });
     }
 
     /// The smallest turn that takes the direction of the middle as seen from one position to that from
@@ -108,7 +108,7 @@ impl Track {
     }
 
     /// Adds the waypoints of a part of the path, from rest to rest, except its first.
-    fn add_piece(&self, corners: &[Corner], start: f64, config: &MotionConfig, to: &mut Vec<Waypoint>) {
+    fn add_piece(&self, corners: &[TrackCorner], start: f64, config: &MotionConfig, to: &mut Vec<Waypoint>) {
         let (first, last) = (&corners[0], &corners[corners.len() - 1]);
         let length = last.length - first.length;
         let share = if self.length() > 0.0 { length / self.length() } else { 1.0 };
@@ -119,7 +119,7 @@ impl Track {
         }
         let on_arc = (config.acceleration * self.radius).sqrt();
         let speed = if corners.len() > 2 { config.speed.min(on_arc) } else { config.speed };
-        let profile = Profile::new(effort, speed, config.acceleration);
+        let profile = SpeedProfile::new(effort, speed, config.acceleration);
         let mut begin = 0.0;
         for leg in corners.windows(2) {
             let share = if length > 0.0 { (leg[1].length - first.length) / length } else { 1.0 };
@@ -137,7 +137,7 @@ impl Track {
     }
 
     /// The pose on a straight leg after this share of the whole path.
-    fn waypoint(&self, time: f64, leg: &[Corner], share: f64) -> Waypoint {
+    fn waypoint(&self, time: f64, leg: &[TrackCorner], share: f64) -> Waypoint {
         let (from, to) = (&leg[0], &leg[1]);
         let distance = share * self.length() - from.length;
         let t = if to.length > from.length { distance / (to.length - from.length) } else { 1.0 };

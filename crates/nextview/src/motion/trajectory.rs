@@ -1,4 +1,4 @@
-use super::route::Route;
+use super::route::Detour;
 use super::track::Track;
 use super::waypoint::Waypoint;
 use super::{KeepOut, MotionConfig};
@@ -26,7 +26,7 @@ pub struct Surroundings {
 /// remaining rotation to the final pose is spread evenly along the path. Between poses that look at the
 /// middle, it looks there all the time.
 ///
-/// Along the path, speed over time is a [`Profile`](super::Profile). Where the path bends by more than 5
+/// Along the path, speed over time is a [`SpeedProfile`](super::SpeedProfile). Where the path bends by more than 5
 /// degrees at once (at the border of the ball, if an end is inside) the camera stops. On an arc, speed^2 /
 /// radius is no more than the acceleration. Turning takes time, too: as long as a path of 0.25 m for each
 /// radian, if that is longer than the path itself.
@@ -63,7 +63,7 @@ impl Trajectory {
         let Surroundings { object, floor } = surroundings;
         let ball = object.map(|bounds| KeepOut::around(&bounds, config.clearance)).transpose()?;
         let (start, end) = (from.translation(), to.translation());
-        let straight = || Route { corners: vec![start, end], radius: 0.0 };
+        let straight = || Detour { corners: vec![start, end], radius: 0.0 };
         let route = ball.map_or_else(straight, |ball| ball.route(start, end, floor.as_ref()));
         route.corners.iter().try_for_each(|corner| check_position("trajectory", *corner))?;
         let track = Track::new(from, to, &route, ball.map(|ball| ball.center()));

@@ -49,14 +49,14 @@ enum Shown {
 struct Candidate {
     cells: FxHashSet<IVec3>,
     /// In images that show all of it.
-    whole: Outline,
+    whole: BodyOutline,
     /// In images whose edge cuts it.
-    cut: Outline,
+    cut: BodyOutline,
 }
 
 /// The pixels of a body and their neighbours.
 #[derive(Clone, Copy, Default)]
-struct Outline {
+struct BodyOutline {
     n_pixels: usize,
     /// Neighbours that are farther away.
     n_free: usize,
@@ -112,10 +112,10 @@ pub(super) fn other_bodies(
 
 impl Candidate {
     fn new(cells: FxHashSet<IVec3>) -> Self {
-        Self { cells, whole: Outline::default(), cut: Outline::default() }
+        Self { cells, whole: BodyOutline::default(), cut: BodyOutline::default() }
     }
 
-    fn add(&mut self, outline: Outline) {
+    fn add(&mut self, outline: BodyOutline) {
         let sum = if outline.n_beyond == 0 { &mut self.whole } else { &mut self.cut };
         sum.n_pixels += outline.n_pixels;
         sum.n_free += outline.n_free;
@@ -124,7 +124,7 @@ impl Candidate {
     }
 
     fn is_body(&self) -> bool {
-        let Outline { n_pixels, n_free, n_hidden, n_beyond } =
+        let BodyOutline { n_pixels, n_free, n_hidden, n_beyond } =
             if self.whole.n_pixels >= LEAST_POINTS { self.whole } else { self.cut };
         n_pixels >= LEAST_POINTS && n_free > MOSTLY_FREE * (n_hidden + n_beyond)
     }
@@ -156,7 +156,7 @@ fn shown(
 
 /// Counts the neighbours of every body's pixels that are not its own.
 fn count_outlines(image: &[Shown], width: usize, candidates: &mut [Candidate]) {
-    let mut outlines = vec![Outline::default(); candidates.len()];
+    let mut outlines = vec![BodyOutline::default(); candidates.len()];
     for (pixel, &shown) in image.iter().enumerate() {
         let Shown::Body { number, depth } = shown else { continue };
         let Some(outline) = (number as usize).checked_sub(1).map(|i| &mut outlines[i]) else { continue };

@@ -6,7 +6,7 @@ use glam::DVec3;
 pub(super) struct Farthest(BoxTree<1>);
 
 /// The farthest point so far.
-struct Best {
+struct FarthestPoint {
     direction: DVec3,
     along: f64,
     number: usize,
@@ -21,13 +21,13 @@ impl Farthest {
 
     /// The largest distance along the direction and its point, the last on ties; `None` if empty.
     pub fn along(&self, direction: DVec3) -> Option<(f64, usize)> {
-        let mut best = Best { direction, along: f64::NEG_INFINITY, number: 0 };
+        let mut best = FarthestPoint { direction, along: f64::NEG_INFINITY, number: 0 };
         self.0.search(&mut best);
         (!self.0.is_empty()).then_some((best.along, best.number))
     }
 }
 
-impl Search<1> for Best {
+impl Search<1> for FarthestPoint {
     /// The negated distance of the box's farthest corner. Products and sums round alike for it and for
     /// points, so no point is farther.
     fn rank(&self, [bounds]: &[Aabb; 1]) -> f64 {

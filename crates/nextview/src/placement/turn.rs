@@ -87,7 +87,7 @@ pub enum TurnRefusal {
 
 /// A pose, and how well both surfaces fit in it.
 #[derive(Clone, Copy, Debug)]
-struct Fit {
+struct TurnFit {
     now_from_before: Pose,
     /// Share of the points shown now on the surface known before.
     overlap: f64,
@@ -111,15 +111,15 @@ pub fn find_turn(
     now: &ShownObject,
     cancel: &Cancel,
 ) -> Result<Result<Turn, TurnRefusal>, Cancelled> {
-    let search = Search { before, now, size: diagonal(before.points()), cancel };
+    let search = TurnSearch { before, now, size: diagonal(before.points()), cancel };
     if now.points().len() < LEAST_OVERLAP.1 || before.points().len() < LEAST_OVERLAP.1 {
         return Ok(Err(TurnRefusal::LittleOverlap));
     }
     let mut fits = search.fits()?;
     fits.sort_by(|a, b| b.score.total_cmp(&a.score)); // stable
-    let overlaps = |fit: &&Fit| fit.overlap >= LEAST_OVERLAP.0 && fit.n_near >= LEAST_OVERLAP.1;
-    let is_possible = |fit: &&Fit| fit.ruled_out <= MOST_RULED_OUT && fit.fitting >= LEAST_FITTING;
-    let is_turned = |fit: &&Fit| search.tilt(&fit.now_from_before) >= LEAST_TILT;
+    let overlaps = |fit: &&TurnFit| fit.overlap >= LEAST_OVERLAP.0 && fit.n_near >= LEAST_OVERLAP.1;
+    let is_possible = |fit: &&TurnFit| fit.ruled_out <= MOST_RULED_OUT && fit.fitting >= LEAST_FITTING;
+    let is_turned = |fit: &&TurnFit| search.tilt(&fit.now_from_before) >= LEAST_TILT;
     let mut possible = fits.iter().filter(overlaps).filter(is_possible).filter(is_turned);
     let Some(best) = possible.next() else {
         let of_all = fits.iter().find(overlaps);
@@ -135,7 +135,7 @@ pub fn find_turn(
             return Ok(Err(TurnRefusal::Ambiguous));
         }
     }
-    let &Fit { now_from_before, overlap, residual, .. } = best;
+    let &TurnFit { now_from_before, overlap, residual, .. } = best;
     Ok(Ok(Turn { now_from_before, overlap, residual }))
 }
 
@@ -147,13 +147,13 @@ impl Turn {
         now: &ShownObject,
         cancel: &Cancel,
     ) -> Result<Self, Cancelled> {
-        let search = Search { before, now, size: diagonal(before.points()), cancel };
-        let Fit { now_from_before, overlap, residual, .. } = search.exact(&self.now_from_before)?;
+        let search = TurnSearch { before, now, size: diagonal(before.points()), cancel };
+        let TurnFit { now_from_before, overlap, residual, .. } = search.exact(&self.now_from_before)?;
         Ok(Self { now_from_before, overlap, residual })
     }
 }
 
-struct Search<'a> {
+struct TurnSearch<'a> {
     before: &'a ShownObject,
     now: &'a ShownObject,
     /// Diagonal of the box around the surface known before, metres.
@@ -161,9 +161,9 @@ struct Search<'a> {
     cancel: &'a Cancel,
 }
 
-impl Search<'_> {
+impl TurnSearch<'_> {
     /// The best poses, aligned by all points.
-    fn fits(&self) -> Result<Vec<Fit>, Cancelled> {
+    fn fits(&self) -> Result<Vec<TurnFit>, Cancelled> {
         let few = evenly(self.now.points(), N_POINTS);
         let few_before = evenly(self.before.points(), N_POINTS);
         let rough = |start: &Pose| {
@@ -171,9 +171,9 @@ impl Search<'_> {
             self.fit(&before_from_now.inverse(), &few, &few_before)
         };
         let starts = self.starts()?;
-        let mut fits: Vec<Fit> = starts.par_iter().map(rough).collect::<Result<_, _>>()?;
+        let mut fits: Vec<TurnFit> = starts.par_iter().map(rough).collect::<Result<_, _>>()?;
         fits.sort_by(|a, b| b.score.total_cmp(&a.score)); // stable
-        let mut best: Vec<Fit> = Vec::new();
+        let mut best: Vec<TurnFit> = Vec::new();
         for fit in fits {
             let is_known = best.iter().any(|known| self.is_one(&known.now_from_before, &fit.now_from_before));
             if !is_known && best.len() < N_BEST {
@@ -184,7 +184,7 @@ impl Search<'_> {
     }
 
     /// Aligns a nearly correct pose by all points.
-    fn exact(&self, now_from_before: &Pose) -> Result<Fit, Cancelled> {
+    fn exact(&self, now_from_before: &Pose) -> Result<TurnFit, Cancelled> {
         let reach = SearchReach { first: 2.0 * self.voxels(REACH.1), last: self.voxels(REACH.1) };
         let aligned = self.aligned(&now_from_before.inverse(), self.now.points(), reach)?;
         self.fit(&aligned.inverse(), self.now.points(), self.before.points())
@@ -223,7 +223,7 @@ impl Search<'_> {
         now_from_before: &Pose,
         now: &[SurfacePoint],
         before: &[SurfacePoint],
-    ) -> Result<Fit, Cancelled> {
+    ) -> Result<TurnFit, Cancelled> {
         let reach = self.voxels(REACH.1);
         let before_from_now = now_from_before.inverse();
         let on_before =
@@ -240,7 +240,7 @@ impl Search<'_> {
             [ruled_out(now, &before_from_now, self.before), ruled_out(before, now_from_before, self.now)];
         let overlap = share(on_before.n, now.len());
         let score = overlap + share(on_now.n, before.len()) - RULED_OUT * (ruled_out[0] + ruled_out[1]);
-        Ok(Fit {
+        Ok(TurnFit {
             now_from_before: *now_from_before,
             overlap,
             n_near: on_before.n,

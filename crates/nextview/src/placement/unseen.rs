@@ -28,7 +28,7 @@ pub struct NextPlacement {
 /// The object is assumed to be solid and of uniform density where it is not known to be free. The voxels of
 /// its snapshot must be much smaller than it.
 pub fn next_placement(snapshot: &Snapshot, table: Plane) -> Option<NextPlacement> {
-    let solid = Solid::new(snapshot, table)?;
+    let solid = OpaqueVoxels::new(snapshot, table)?;
     let unseen = &solid.unseen;
     let n_unseen = unseen.len() as f64;
     let unseen_share = n_unseen / (n_unseen + solid.n_seen as f64);
@@ -45,7 +45,7 @@ pub fn next_placement(snapshot: &Snapshot, table: Plane) -> Option<NextPlacement
 }
 
 /// The voxels that are not known to be free.
-struct Solid {
+struct OpaqueVoxels {
     /// Centres of those next to free voxels or on the table, metres.
     outline: Vec<DVec3>,
     center_of_mass: DVec3,
@@ -55,7 +55,7 @@ struct Solid {
     unseen: Vec<DVec3>,
 }
 
-impl Solid {
+impl OpaqueVoxels {
     /// The solid voxels in the box around all occupied ones; `None` if none is occupied or nothing is unseen.
     fn new(snapshot: &Snapshot, table: Plane) -> Option<Self> {
         let (block, lattice) = (snapshot.block(), snapshot.lattice());

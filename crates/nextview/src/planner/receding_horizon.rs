@@ -56,7 +56,7 @@ impl ViewPlanner for RecedingHorizon {
             return Ok(Plan::default());
         }
         let gains = self.gain.gains(situation, &open)?;
-        let mut tree = Tree::new(situation, &open, &gains);
+        let mut tree = ViewTree::new(situation, &open, &gains);
         tree.follow(&self.rest);
         tree.grow(&mut Random::new(self.seed, situation.visited().len() as u64), situation)?;
         let best = tree.best();
@@ -77,7 +77,7 @@ impl ViewPlanner for RecedingHorizon {
 }
 
 /// A tree of views with the position of the camera as its root.
-struct Tree<'a> {
+struct ViewTree<'a> {
     situation: &'a Situation<'a>,
     ball: KeepOut,
     /// Mean distance of the open views from the middle of the box, metres: the unit of lengths.
@@ -85,10 +85,10 @@ struct Tree<'a> {
     /// The views that are not in the tree, in increasing order, with their gains.
     open: Vec<(usize, f64)>,
     /// In an order in which every node comes after its parent.
-    nodes: Vec<Node>,
+    nodes: Vec<ViewNode>,
 }
 
-struct Node {
+struct ViewNode {
     view: usize,
     position: DVec3,
     /// `None` for the root.
@@ -99,7 +99,7 @@ struct Node {
     gain: f64,
 }
 
-impl<'a> Tree<'a> {
+impl<'a> ViewTree<'a> {
     fn new(situation: &'a Situation<'a>, open: &[usize], gains: &[f64]) -> Self {
         let bounds = situation.snapshot().lattice().bounds(&situation.snapshot().block());
         let ball = KeepOut::around(&bounds, 0.0).expect("a block of voxels is a finite box");
@@ -127,7 +127,7 @@ impl<'a> Tree<'a> {
             parent.map_or((0.0, 0.0), |parent| (self.nodes[parent].path_length, self.nodes[parent].gain));
         let path_length = length_before + self.edge(parent, position);
         let gain = gain_before + gain * (-DISCOUNT * path_length).exp();
-        self.nodes.push(Node { view, position, parent, path_length, gain });
+        self.nodes.push(ViewNode { view, position, parent, path_length, gain });
     }
 
     /// Adds a branch up to the first view that is not open or too far away.
@@ -187,14 +187,14 @@ impl<'a> Tree<'a> {
     }
 
     /// The branch of largest gain, the first on ties, from its first view on; empty if none gains anything.
-    fn best(&self) -> Vec<&Node> {
-        let mut last: Option<&Node> = None;
+    fn best(&self) -> Vec<&ViewNode> {
+        let mut last: Option<&ViewNode> = None;
         for node in self.nodes.iter().filter(|node| node.gain > 0.0) {
             if last.is_none_or(|last| node.gain > last.gain) {
                 last = Some(node);
             }
         }
-        let mut branch: Vec<&Node> =
+        let mut branch: Vec<&ViewNode> =
             std::iter::successors(last, |node| node.parent.map(|parent| &self.nodes[parent])).collect();
         branch.reverse();
         branch

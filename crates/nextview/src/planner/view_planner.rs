@@ -2,7 +2,7 @@ use super::Explanation;
 use crate::geometry::{Plane, Pose};
 use crate::map::Snapshot;
 use crate::motion::{MotionConfig, Surroundings, Trajectory};
-use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceError};
+use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceNoise};
 use crate::surface::{MeasuredCells, SurfaceLooks};
 use crate::view::ViewSpace;
 use crate::{Cancel, Error};
@@ -61,7 +61,7 @@ pub struct Situation<'a> {
     views: &'a ViewSpace,
     intrinsics: &'a Intrinsics,
     depth_range: DepthRange,
-    surface_error: SurfaceError,
+    surface_error: SurfaceNoise,
     are_poses_right: bool,
     are_frames_aligned: bool,
     measured: Option<(&'a MeasuredCells, f64)>,
@@ -101,7 +101,7 @@ impl<'a> Situation<'a> {
             views,
             intrinsics,
             depth_range: DepthRange::default(),
-            surface_error: SurfaceError::default(),
+            surface_error: SurfaceNoise::default(),
             are_poses_right: false,
             are_frames_aligned: false,
             measured: None,
@@ -123,7 +123,7 @@ impl<'a> Situation<'a> {
     }
 
     /// Sets the random error of the camera, for which surface is worth second looks. Default: none.
-    pub fn with_surface_error(self, surface_error: SurfaceError) -> Self {
+    pub fn with_surface_error(self, surface_error: SurfaceNoise) -> Self {
         Self { surface_error, ..self }
     }
 
@@ -234,7 +234,7 @@ impl<'a> Situation<'a> {
     }
 
     /// The random error of the camera, for which surface is worth second looks.
-    pub fn surface_error(&self) -> SurfaceError {
+    pub fn surface_error(&self) -> SurfaceNoise {
         self.surface_error
     }
 

@@ -41,7 +41,7 @@ impl VoxelFeatures {
     ///
     /// Fails if `cancel` is set.
     pub fn new(snapshot: &Snapshot, cancel: &Cancel) -> Result<Self, Cancelled> {
-        let surroundings = Surroundings::new(snapshot);
+        let surroundings = FeatureInput::new(snapshot);
         cancel.check()?;
         let (block, occupancy) = (snapshot.block(), snapshot.occupancy());
         let voxels: Vec<u32> = (0..block.n_voxels())
@@ -62,7 +62,7 @@ impl VoxelFeatures {
 }
 
 /// The data from which the features are computed.
-struct Surroundings {
+struct FeatureInput {
     block: VoxelBlock,
     occupied: NearestSource,
     free: NearestSource,
@@ -70,24 +70,24 @@ struct Surroundings {
     n_occupied: BoxCount,
     n_free: BoxCount,
     /// Around the occupied voxels, or all if there are none.
-    known: Extent,
+    known: FeatureBox,
     /// Around the whole block.
-    whole: Extent,
+    whole: FeatureBox,
 }
 
 /// A box, in voxels.
-struct Extent {
+struct FeatureBox {
     center: Vec3,
     half: Vec3,
 }
 
-impl Extent {
+impl FeatureBox {
     fn new(low: IVec3, high: IVec3) -> Self {
         Self { center: (low + high).as_vec3() * 0.5, half: (high - low).as_vec3() * 0.5 + 1.0 }
     }
 }
 
-impl Surroundings {
+impl FeatureInput {
     fn new(snapshot: &Snapshot) -> Self {
         // Positions are computed in single precision.
         let (block, occupancy) = (snapshot.block().localized(), snapshot.occupancy());
@@ -101,9 +101,9 @@ impl Surroundings {
             },
         );
         let n_free = BoxCount::new(block, true, is(Occupancy::Free));
-        let whole = Extent::new(block.min(), block.max());
+        let whole = FeatureBox::new(block.min(), block.max());
         let known = extent_of(block, is(Occupancy::Occupied));
-        let known = known.unwrap_or(Extent { center: whole.center, half: whole.half });
+        let known = known.unwrap_or(FeatureBox { center: whole.center, half: whole.half });
         Self { block, occupied, free, unknown, n_occupied, n_free, known, whole }
     }
 
@@ -120,7 +120,7 @@ impl Surroundings {
         let key = self.block.key(voxel);
         let is_free = snapshot.occupancy()[voxel] == Occupancy::Free;
         let (to_occupied, to_free) = (distance(&self.occupied, voxel), distance(&self.free, voxel));
-        let mut row = Row::default();
+        let mut row = FeatureRow::default();
         row.push([log(to_occupied), log(to_free)]);
         row.push(if is_free {
             [1.0, distance(&self.unknown, voxel).min(4.0), snapshot.probability()[voxel]]
@@ -135,7 +135,7 @@ impl Surroundings {
 
     /// The occupied and free shares of the cubes around; surfaces grow with the square of the side. Space
     /// outside the block is free.
-    fn shares(&self, key: VoxelKey, row: &mut Row) {
+    fn shares(&self, key: VoxelKey, row: &mut FeatureRow) {
         for radius in RADII {
             let side = (2 * radius + 1) as f32;
             let occupied = self.n_occupied.around(key, radius) as f32 / (side * side);
@@ -144,14 +144,14 @@ impl Surroundings {
     }
 
     /// Position of the voxel in the object and in the box, and the known state at its symmetric positions.
-    fn place(&self, key: VoxelKey, to_occupied: f32, to_free: f32, row: &mut Row) {
-        let Extent { center, half } = &self.known;
+    fn place(&self, key: VoxelKey, to_occupied: f32, to_free: f32, row: &mut FeatureRow) {
+        let FeatureBox { center, half } = &self.known;
         let (offset, radius) = (key.as_vec3() - center, half.length());
         let out = offset.truncate().length();
         row.push([offset.length() / radius, (offset / half).abs().max_element()]);
         row.push([offset.z / radius, out / radius, radius.ln()]);
         row.push(self.at(2.0 * center - key.as_vec3()));
-        let Extent { center, half } = &self.whole;
+        let FeatureBox { center, half } = &self.whole;
         let (offset, side) = (key.as_vec3() - center, half.max_element());
         row.push([offset.length() / side, offset.abs().max_element() / side, side.ln()]);
         row.push([to_occupied / side, to_free / side]);
@@ -170,7 +170,7 @@ impl Surroundings {
 
     /// The position of the voxel relative to the nearest surface, along its normal and across, at two scales;
     /// and the relation of free and occupied space.
-    fn continuation(&self, key: VoxelKey, voxel: usize, row: &mut Row) {
+    fn continuation(&self, key: VoxelKey, voxel: usize, row: &mut FeatureRow) {
         let Nearest { squared, source } = self.occupied.of(voxel);
         let gradients = [(&self.n_free, RADII[2]), (&self.n_free, RADII[3]), (&self.n_occupied, RADII[3])]
             .map(|(counts, radius)| counts.gradient(key, radius));
@@ -193,29 +193,29 @@ impl Surroundings {
 }
 
 /// Features as they are collected.
-struct Row {
+struct FeatureRow {
     values: [f32; VoxelFeatures::N],
     len: usize,
 }
 
-impl Default for Row {
+impl Default for FeatureRow {
     fn default() -> Self {
         Self { values: [0.0; VoxelFeatures::N], len: 0 }
     }
 }
 
-impl Row {
+impl FeatureRow {
     fn push<const N: usize>(&mut self, values: [f32; N]) {
         self.values[self.len..self.len + N].copy_from_slice(&values);
         self.len += N;
     }
 }
 
-fn extent_of(block: VoxelBlock, is_part: impl Fn(usize) -> bool) -> Option<Extent> {
+fn extent_of(block: VoxelBlock, is_part: impl Fn(usize) -> bool) -> Option<FeatureBox> {
     let mut keys = (0..block.n_voxels()).filter(|&voxel| is_part(voxel)).map(|voxel| block.key(voxel));
     let first = keys.next()?;
     let (low, high) = keys.fold((first, first), |(low, high), key| (low.min(key), high.max(key)));
-    Some(Extent::new(low, high))
+    Some(FeatureBox::new(low, high))
 }
 
 fn distance(source: &NearestSource, voxel: usize) -> f32 {

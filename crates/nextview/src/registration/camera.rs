@@ -4,12 +4,12 @@ use glam::DVec3;
 
 /// The camera of a frame, which shows where there is no surface: wherever it looked through.
 #[derive(Clone, Debug)]
-pub(super) struct Camera {
+pub(super) struct FrameCamera {
     frame: Frame,
     from_world: Pose,
 }
 
-impl Camera {
+impl FrameCamera {
     /// Returns the camera in the frame's pose.
     pub fn new(frame: Frame) -> Self {
         Self { from_world: frame.world_from_camera().inverse(), frame }
@@ -48,7 +48,7 @@ mod tests {
     #[test]
     fn looks_through_what_is_in_front_of_the_surface_that_it_measured() {
         let pose = look_at(DVec3::X, DVec3::ZERO).unwrap();
-        let camera = Camera::new(ball(pose, 0.1));
+        let camera = FrameCamera::new(ball(pose, 0.1));
         for (x, y, is_through) in [
             (0.2, 0.0, true),    // in front of the ball
             (0.105, 0.0, false), // in front of it, within the margin

@@ -1,7 +1,7 @@
 //! Finds the pose in which a frame fits the known surface: from points that lie on it, and from space that
 //! cameras saw as free.
 
-use super::camera::Camera;
+use super::camera::FrameCamera;
 use super::icp::{Hold, SearchReach, align, align_where_held, pairs};
 use super::normal_equations::NormalEquations;
 use super::pair::Pair;
@@ -57,19 +57,19 @@ pub(super) struct Fitting<'a> {
     /// The points of the frame, in the camera frame.
     pub points: Vec<SurfacePoint>,
     /// The frame's camera, in the given pose.
-    pub camera: Camera,
+    pub camera: FrameCamera,
     /// The known points, world coordinates.
     pub known: Vec<DVec3>,
     /// Search tree of the known points.
     pub tree: &'a PointTree,
     /// The cameras that have shown the known points.
-    pub earlier: Vec<Camera>,
+    pub earlier: Vec<FrameCamera>,
     pub cancel: &'a Cancel,
 }
 
 /// A frame in its given pose compared with the known surface.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Comparison {
+pub(crate) struct PoseComparison {
     /// The alignment from the given pose.
     pub found: Registration,
     /// Root mean square distance, metres, of the frame's points from the known surface in the given pose. A
@@ -80,7 +80,7 @@ pub(crate) struct Comparison {
 
 /// A frame in a pose, before any objections.
 #[derive(Clone, Copy, Debug)]
-struct Fit {
+struct FrameFit {
     registration: Registration,
     /// Number of its points that lie on the known surface.
     n_pairs: usize,
@@ -103,8 +103,8 @@ impl Fitting<'_> {
 
     /// Aligns the frame from its given pose alone, without a search. It is refused only if it fits no better
     /// than in the given pose.
-    pub fn nearby(&self) -> Result<Comparison, Cancelled> {
-        let Fit { registration, n_pairs, misfit, .. } = self.aligned(self.reach.first)?;
+    pub fn nearby(&self) -> Result<PoseComparison, Cancelled> {
+        let FrameFit { registration, n_pairs, misfit, .. } = self.aligned(self.reach.first)?;
         let given = self.camera.pose();
         let verdict = if misfit < self.misfit(&given)? { registration.verdict } else { Verdict::NoBetter };
         let before = self.pairs(&given, self.reach.last)?;
@@ -112,18 +112,18 @@ impl Fitting<'_> {
         let squares: f64 = before.iter().map(|pair| pair.residual().powi(2)).sum();
         let lost = self.reach.last.powi(2) * (n - before.len()) as f64;
         let apart = ((squares + lost) / n.max(1) as f64).sqrt();
-        Ok(Comparison { found: Registration { verdict, ..registration }, apart })
+        Ok(PoseComparison { found: Registration { verdict, ..registration }, apart })
     }
 
     /// Returns the nearest of the alignments with about the least misfit, preferring those within the given
     /// pose's uncertainty.
-    fn best(&self) -> Result<Fit, Cancelled> {
+    fn best(&self) -> Result<FrameFit, Cancelled> {
         let mut firsts = FIRST_REACHES.map(|share| (share * self.reach.first).max(self.reach.last)).to_vec();
         firsts.dedup();
         let mut fits = firsts.iter().map(|first| self.aligned(*first)).collect::<Result<Vec<_>, _>>()?;
-        let is_near = |fit: &Fit| self.is_near(&fit.registration.world_from_camera);
+        let is_near = |fit: &FrameFit| self.is_near(&fit.registration.world_from_camera);
         let few = (MAY_CONTRADICT * self.points.len() as f64) as usize;
-        let is_consistent = |fit: &Fit| is_near(fit) && fit.n_contradictions <= few;
+        let is_consistent = |fit: &FrameFit| is_near(fit) && fit.n_contradictions <= few;
         if self.points.len() >= LEAST_PAIRS && !fits.iter().any(is_consistent) {
             fits.extend(self.searched()?);
         }
@@ -136,7 +136,7 @@ impl Fitting<'_> {
     }
 
     /// Aligns the frame from the given pose with this initial search distance.
-    fn aligned(&self, first: f64) -> Result<Fit, Cancelled> {
+    fn aligned(&self, first: f64) -> Result<FrameFit, Cancelled> {
         let (given, reach) = (self.camera.pose(), SearchReach { first, ..self.reach });
         let paired = |pose: &Pose, reach| self.pairs(pose, reach);
         let (mut aligned, mut n_steps) = align(given, reach, paired)?;
@@ -150,7 +150,7 @@ impl Fitting<'_> {
 
     /// Aligns the frame from the place of least misfit within its uncertainty: from the given pose alone, one
     /// face of a box may be taken for the next. `None` if no place is near enough.
-    fn searched(&self) -> Result<Option<Fit>, Cancelled> {
+    fn searched(&self) -> Result<Option<FrameFit>, Cancelled> {
         let thin = self.thinned();
         let given = self.camera.pose();
         let firm = Hold { min_stiffness: FIRM, turn: None };
@@ -205,7 +205,7 @@ impl Fitting<'_> {
     }
 
     /// Returns the fit of the frame in a pose with this stiffness.
-    fn fit(&self, pose: Pose, stiffness: f64, n_iterations: usize) -> Result<Fit, Cancelled> {
+    fn fit(&self, pose: Pose, stiffness: f64, n_iterations: usize) -> Result<FrameFit, Cancelled> {
         let (given, pairs) = (self.camera.pose(), self.pairs(&pose, self.reach.last)?);
         let motion = pose * given.inverse();
         let [residual_before, residual_after] =
@@ -225,11 +225,11 @@ impl Fitting<'_> {
             stiffness,
             n_iterations,
         };
-        Ok(Fit { registration, n_pairs: pairs.len(), n_contradictions, misfit })
+        Ok(FrameFit { registration, n_pairs: pairs.len(), n_contradictions, misfit })
     }
 
     /// Returns the first reason to reject the fit, if any.
-    fn objection(&self, found: &Fit) -> Result<Option<Verdict>, Cancelled> {
+    fn objection(&self, found: &FrameFit) -> Result<Option<Verdict>, Cancelled> {
         let (config, Registration { world_from_camera, overlap, .. }) = (self.config, found.registration);
         // A pose found from another image, elsewhere, is not a rival.
         let is_rival = config.given_poses != GivenPoses::Tracked;

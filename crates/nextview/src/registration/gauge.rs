@@ -2,7 +2,7 @@
 //! determine the common one.
 
 use super::RegistrationConfig;
-use super::joint::View;
+use super::joint::JointView;
 use crate::geometry::{Eigen, Pose};
 use glam::{DQuat, DVec3};
 
@@ -18,12 +18,12 @@ const LONGEST_ARM: f64 = 1e3;
 ///
 /// The translation moves the middle of all points to where the given poses put it: poses from markers around
 /// the object, or from its surface, have rotation errors around the object rather than around the camera.
-pub(super) fn motion_to_given(views: &[View], config: &RegistrationConfig) -> Pose {
-    let pairs: Vec<_> = views.iter().flat_map(View::placed_and_given).collect();
+pub(super) fn motion_to_given(views: &[JointView], config: &RegistrationConfig) -> Pose {
+    let pairs: Vec<_> = views.iter().flat_map(JointView::placed_and_given).collect();
     if pairs.is_empty() {
         return Pose::IDENTITY;
     }
-    let turn = motion_of_cameras(views.iter().map(View::found_and_given), config).rotation();
+    let turn = motion_of_cameras(views.iter().map(JointView::found_and_given), config).rotation();
     let [from, to] = means(&pairs);
     Pose::new(turn, to - turn * from).expect("means of finite points are finite")
 }

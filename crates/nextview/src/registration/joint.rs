@@ -5,7 +5,7 @@
 //! whose unknowns are the poses of all frames but the first (multi-view registration, Pulli 1999; a pose
 //! graph whose edges are the point pairs).
 
-use super::camera::Camera;
+use super::camera::FrameCamera;
 use super::pair::Pair;
 use super::point_tree::PointTree;
 use super::surface_points::SurfacePoint;
@@ -28,7 +28,7 @@ const SMALL_STEP: f64 = 5e-3;
 
 /// The surface shown by a frame, and its poses.
 #[derive(Clone, Debug)]
-pub(super) struct View {
+pub(super) struct JointView {
     /// In the camera frame.
     points: Vec<SurfacePoint>,
     /// Search tree of the same points.
@@ -38,15 +38,15 @@ pub(super) struct View {
     pub pose: Pose,
     /// The pose given with the frame.
     given: Pose,
-    camera: Camera,
+    camera: FrameCamera,
 }
 
-impl View {
+impl JointView {
     /// Returns the view of a camera that shows these points, in its own frame, and its given pose; unless
     /// cancelled.
     pub fn new(
         points: Vec<SurfacePoint>,
-        camera: Camera,
+        camera: FrameCamera,
         given: Pose,
         cancel: &Cancel,
     ) -> Result<Self, Cancelled> {
@@ -55,7 +55,7 @@ impl View {
     }
 
     /// Returns its camera in the current pose.
-    pub fn camera(&self) -> Camera {
+    pub fn camera(&self) -> FrameCamera {
         self.camera.at(self.pose)
     }
 
@@ -81,7 +81,7 @@ impl View {
     }
 
     /// Returns the motion of its points since `before`, root mean square, metres.
-    pub fn moved_from(&self, before: &View) -> f64 {
+    pub fn moved_from(&self, before: &JointView) -> f64 {
         let moved = |point: &SurfacePoint| {
             let [now, then] = [self, before].map(|view| view.pose.transform_point(point.position));
             now.distance_squared(then)
@@ -95,7 +95,7 @@ impl View {
     }
 
     /// Returns the pairs of another view's points with the surface of this one, in the world frame.
-    fn pairs(&self, other: &View, reach: f64) -> Vec<Pair> {
+    fn pairs(&self, other: &JointView, reach: f64) -> Vec<Pair> {
         let here_from_other = self.pose.inverse() * other.pose;
         let pair = |point: &SurfacePoint| {
             let point = point.moved(&here_from_other);
@@ -114,7 +114,7 @@ impl View {
 /// Moves all views but the first so that their surfaces fit together, within `reach` metres. A view does not
 /// move in directions with less than `min_stiffness`; see [`stiffness`](super::Registration::stiffness).
 pub(super) fn align(
-    views: &mut [View],
+    views: &mut [JointView],
     reach: f64,
     min_stiffness: f64,
     cancel: &Cancel,
@@ -129,13 +129,13 @@ pub(super) fn align(
 }
 
 /// Takes one Gauss-Newton step. Returns the largest motion of a view, metres.
-fn step(views: &mut [View], reach: f64, min_stiffness: f64, cancel: &Cancel) -> Result<f64, Cancelled> {
+fn step(views: &mut [JointView], reach: f64, min_stiffness: f64, cancel: &Cancel) -> Result<f64, Cancelled> {
     let n = views.len();
     let both: Vec<[usize; 2]> =
         (0..n).flat_map(|i| (0..n).map(move |j| [i, j])).filter(|[i, j]| i != j).collect();
     let pairs = both.par_iter().map(|&[i, j]| cancel.check().map(|()| views[i].pairs(&views[j], reach)));
     let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
-    let mut problem = Problem::new(views, pairs.iter().flatten());
+    let mut problem = StepEquations::new(views, pairs.iter().flatten());
     for ([i, j], pairs) in both.iter().zip(&pairs) {
         pairs.iter().for_each(|pair| problem.add(*i, *j, pair, SCALE * reach));
     }
@@ -145,7 +145,7 @@ fn step(views: &mut [View], reach: f64, min_stiffness: f64, cancel: &Cancel) -> 
 
 /// The normal equations of a step. The unknowns of a view are a rotation about the common middle, times the
 /// radius, and a translation: six numbers in metres.
-struct Problem {
+struct StepEquations {
     center: DVec3,
     radius: f64,
     /// Row by row, for all views but the first.
@@ -155,8 +155,8 @@ struct Problem {
     weights: Vec<f64>,
 }
 
-impl Problem {
-    fn new<'a>(views: &[View], pairs: impl Iterator<Item = &'a Pair> + Clone) -> Self {
+impl StepEquations {
+    fn new<'a>(views: &[JointView], pairs: impl Iterator<Item = &'a Pair> + Clone) -> Self {
         let n = pairs.clone().count().max(1) as f64;
         let center = pairs.clone().map(|pair| pair.point).sum::<DVec3>() / n;
         let spread = pairs.map(|pair| pair.point.distance_squared(center)).sum::<f64>() / n;
@@ -187,7 +187,7 @@ impl Problem {
     }
 
     /// Pulls each view to its anchor, as strongly as a surface of this stiffness.
-    fn hold(&mut self, views: &[View], min_stiffness: f64) {
+    fn hold(&mut self, views: &[JointView], min_stiffness: f64) {
         for (view, place) in views.iter().enumerate() {
             let weight = (min_stiffness * self.weights[view]).max(f64::MIN_POSITIVE.sqrt());
             let motion = place.pose * place.anchor.inverse();
@@ -218,7 +218,7 @@ impl Problem {
     }
 
     /// Moves the views. Returns the largest motion, metres.
-    fn solve(self, views: &mut [View]) -> f64 {
+    fn solve(self, views: &mut [JointView]) -> f64 {
         let Some(solution) = solve(self.squares, &self.gradient) else { return 0.0 };
         let mut largest: f64 = 0.0;
         for (view, step) in views[1..].iter_mut().zip(solution.chunks(6)) {

@@ -1,8 +1,8 @@
-use super::camera::Camera;
-use super::fitting::{Comparison, Fitting};
+use super::camera::FrameCamera;
+use super::fitting::{PoseComparison, Fitting};
 use super::gauge::motion_to_given;
 use super::icp::{SearchReach, pairs};
-use super::joint::{self, View};
+use super::joint::{self, JointView};
 use super::pair::Pair;
 use super::point_tree::PointTree;
 use super::surface_points::{SurfacePoint, surface_points};
@@ -48,15 +48,15 @@ pub struct KnownSurface {
     lattice: Lattice,
     slots: FxHashMap<(IVec3, u8), usize>,
     /// The pools, in the order in which their cells were first met.
-    pools: Vec<Pool>,
+    pools: Vec<CellPool>,
     tree: PointTree,
     /// The views of the frames, in the order in which they were added.
-    views: Vec<View>,
+    views: Vec<JointView>,
 }
 
 /// Sums over the points of a cell.
 #[derive(Clone, Copy, Debug, Default)]
-struct Pool {
+struct CellPool {
     n: f64,
     position: DVec3,
     normal: DVec3,
@@ -90,7 +90,7 @@ impl KnownSurface {
 
     /// Returns the known points, the mean of each cell, in the order in which the cells were first met.
     pub fn points(&self) -> Vec<SurfacePoint> {
-        self.pools.iter().map(Pool::mean).collect()
+        self.pools.iter().map(CellPool::mean).collect()
     }
 
     /// Returns the points in a pose with their nearest known ones that face the same way within `reach`
@@ -115,7 +115,7 @@ impl KnownSurface {
         cancel: &Cancel,
     ) -> Result<(), Cancelled> {
         let shown = surface_points(frame, self.around(bounds), self.spacing, cancel)?;
-        let view = View::new(shown, Camera::new(frame.clone()), *given, cancel)?;
+        let view = JointView::new(shown, FrameCamera::new(frame.clone()), *given, cancel)?;
         let (mut slots, mut pools) = (self.slots.clone(), self.pools.clone());
         pool(&view, &self.lattice, &mut slots, &mut pools);
         self.tree = tree(&pools, cancel)?;
@@ -161,7 +161,7 @@ impl KnownSurface {
         frame: &Frame,
         bounds: Aabb,
         cancel: &Cancel,
-    ) -> Result<Comparison, Cancelled> {
+    ) -> Result<PoseComparison, Cancelled> {
         self.fitting(frame, bounds, cancel)?.nearby()
     }
 
@@ -173,9 +173,9 @@ impl KnownSurface {
     ) -> Result<Fitting<'a>, Cancelled> {
         let points = surface_points(frame, self.around(bounds), self.spacing, cancel)?;
         let known = self.pools.iter().map(|pool| pool.position / pool.n).collect();
-        let earlier = self.views.iter().map(View::camera).collect();
+        let earlier = self.views.iter().map(JointView::camera).collect();
         let (config, reach, tree) = (&self.config, self.reach(), &self.tree);
-        let camera = Camera::new(frame.clone());
+        let camera = FrameCamera::new(frame.clone());
         Ok(Fitting { config, reach, points, camera, known, tree, earlier, cancel })
     }
 
@@ -192,22 +192,22 @@ impl KnownSurface {
 }
 
 /// Adds the points of a view to the pools of their cells.
-fn pool(view: &View, lattice: &Lattice, slots: &mut FxHashMap<(IVec3, u8), usize>, pools: &mut Vec<Pool>) {
+fn pool(view: &JointView, lattice: &Lattice, slots: &mut FxHashMap<(IVec3, u8), usize>, pools: &mut Vec<CellPool>) {
     for point in view.world_points() {
         let slot = *slots.entry((lattice.key(point.position), side(point.normal))).or_insert(pools.len());
         if slot == pools.len() {
-            pools.push(Pool::default());
+            pools.push(CellPool::default());
         }
         pools[slot].add(&point);
     }
 }
 
-fn tree(pools: &[Pool], cancel: &Cancel) -> Result<PointTree, Cancelled> {
-    let points: Vec<SurfacePoint> = pools.iter().map(Pool::mean).collect();
+fn tree(pools: &[CellPool], cancel: &Cancel) -> Result<PointTree, Cancelled> {
+    let points: Vec<SurfacePoint> = pools.iter().map(CellPool::mean).collect();
     PointTree::new(&points, cancel)
 }
 
-impl Pool {
+impl CellPool {
     fn add(&mut self, point: &SurfacePoint) {
         self.n += 1.0;
         self.position += point.position;

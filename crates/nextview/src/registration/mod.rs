@@ -30,4 +30,4 @@ pub use outcome::{Registration, Verdict};
 pub use pair::Pair;
 pub use surface_points::SurfacePoint;
 
-pub(crate) use fitting::Comparison;
+pub(crate) use fitting::PoseComparison;

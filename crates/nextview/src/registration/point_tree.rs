@@ -12,7 +12,7 @@ const LEAST_AGREEMENT: f64 = 0.7;
 pub(super) struct PointTree(BoxTree<2>);
 
 /// The nearest point so far.
-struct Best<'a> {
+struct BestPoint<'a> {
     to: &'a SurfacePoint,
     dist_sq: f64,
     /// The point and its number.
@@ -32,7 +32,7 @@ impl PointTree {
     }
 
     fn numbered(&self, to: &SurfacePoint, reach: f64) -> Option<(SurfacePoint, usize)> {
-        let mut best = Best { to, dist_sq: reach * reach, nearest: None };
+        let mut best = BestPoint { to, dist_sq: reach * reach, nearest: None };
         self.0.search(&mut best);
         best.nearest
     }
@@ -40,7 +40,7 @@ impl PointTree {
 
 /// Boxes are ranked like points, with order-preserving rounding: no point of a box is nearer or agrees
 /// better.
-impl Search<2> for Best<'_> {
+impl Search<2> for BestPoint<'_> {
     fn rank(&self, [positions, normals]: &[Aabb; 2]) -> f64 {
         match normals.most_along(self.to.normal) >= LEAST_AGREEMENT {
             true => positions.distance_squared(self.to.position),

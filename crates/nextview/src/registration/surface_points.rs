@@ -45,7 +45,7 @@ pub(super) fn surface_points(
 ) -> Result<Vec<SurfacePoint>, Cancelled> {
     let camera_from_world = frame.world_from_camera().inverse();
     let lattice = Lattice::new(spacing).expect("the configuration was checked");
-    let mut cells = Cells::default();
+    let mut cells = PointCells::default();
     for v in 0..frame.image().height() {
         cancel.check()?;
         for point in frame.row_points_in(v, bounds) {
@@ -63,12 +63,12 @@ pub(super) fn surface_points(
 
 /// Points pooled in cells.
 #[derive(Default)]
-struct Cells {
+struct PointCells {
     slots: FxHashMap<IVec3, usize>,
     moments: Vec<(IVec3, Moments)>,
 }
 
-impl Cells {
+impl PointCells {
     fn add(&mut self, key: IVec3, point: DVec3) {
         let slot = *self.slots.entry(key).or_insert(self.moments.len());
         if slot == self.moments.len() {

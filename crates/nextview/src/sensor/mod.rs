@@ -5,7 +5,7 @@
 
 mod camera_axes;
 mod color_image;
-mod depth_error;
+mod depth_noise;
 mod depth_image;
 mod depth_range;
 mod distortion;
@@ -15,11 +15,11 @@ mod lens_lanes;
 #[cfg(test)]
 pub(crate) mod made_up;
 mod preset;
-mod surface_error;
+mod surface_noise;
 
 pub use camera_axes::CameraAxes;
 pub use color_image::ColorImage;
-pub use depth_error::DepthError;
+pub use depth_noise::DepthNoise;
 pub use depth_image::{Depth, DepthImage};
 pub use depth_range::DepthRange;
 pub use distortion::Distortion;
@@ -27,4 +27,4 @@ pub use frame::Frame;
 pub use intrinsics::{Intrinsics, Stretch};
 pub(crate) use lens_lanes::Points;
 pub use preset::{Principle, Sensor};
-pub use surface_error::SurfaceError;
+pub use surface_noise::SurfaceNoise;

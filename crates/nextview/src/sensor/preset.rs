@@ -1,4 +1,4 @@
-use super::{DepthError, DepthRange, Intrinsics};
+use super::{DepthNoise, DepthRange, Intrinsics};
 use crate::Error;
 use glam::DVec2;
 use std::fmt;
@@ -116,10 +116,10 @@ impl Sensor {
     }
 
     /// Returns the random error of a pixel's depth.
-    pub fn depth_error(self) -> DepthError {
+    pub fn depth_error(self) -> DepthNoise {
         match self.principle() {
             Principle::Stereo { baseline, focal, disparity_sigma } => {
-                DepthError::of_disparity(disparity_sigma, focal, baseline)
+                DepthNoise::of_disparity(disparity_sigma, focal, baseline)
             }
             _ => self.sheet().error,
         }
@@ -145,11 +145,11 @@ impl Sensor {
             Self::D435i => Sheet { intrinsics: None, ..Self::D435.sheet() },
             Self::D455 => stereo([848, 480], [87.0, 58.0], 0.095, [0.34, 6.0]),
             Self::L515 => {
-                let error = DepthError { constant: 0.000_875, linear: 0.001_625, quadratic: 0.0 };
+                let error = DepthNoise { constant: 0.000_875, linear: 0.001_625, quadratic: 0.0 };
                 Sheet { unit: 0.000_25, ..time_of_flight([1024, 768], [70.0, 55.0], [0.25, 9.0], error) }
             }
             Self::AzureKinect | Self::FemtoBolt => {
-                let error = DepthError { constant: 0.000_5, linear: 0.0, quadratic: 0.001 };
+                let error = DepthNoise { constant: 0.000_5, linear: 0.0, quadratic: 0.001 };
                 time_of_flight([640, 576], [75.0, 65.0], [0.5, 3.86], error)
             }
             Self::Gemini335 => stereo([640, 400], [90.0, 65.0], 0.05, [0.1, 20.0]),
@@ -176,7 +176,7 @@ struct Sheet {
     range: [f64; 2],
     principle: Principle,
     /// The depth error, for principles that do not determine it.
-    error: DepthError,
+    error: DepthNoise,
     unit: f64,
 }
 
@@ -197,7 +197,7 @@ fn stereo(size: [u32; 2], view_deg: [f64; 2], baseline: f64, range: [f64; 2]) ->
     let intrinsics = pinhole(size, half_tangents(view_deg));
     let focal = intrinsics.focal().x;
     let principle = Principle::Stereo { baseline, focal, disparity_sigma: DISPARITY_SIGMA };
-    Sheet { intrinsics: Some(intrinsics), range, principle, error: DepthError::default(), unit: 0.001 }
+    Sheet { intrinsics: Some(intrinsics), range, principle, error: DepthNoise::default(), unit: 0.001 }
 }
 
 /// Returns the principle for matched images 848 pixels and 90 degrees wide.
@@ -205,7 +205,7 @@ fn d435_stereo() -> Principle {
     Principle::Stereo { baseline: 0.05, focal: 424.0, disparity_sigma: DISPARITY_SIGMA }
 }
 
-fn time_of_flight(size: [u32; 2], view_deg: [f64; 2], range: [f64; 2], error: DepthError) -> Sheet {
+fn time_of_flight(size: [u32; 2], view_deg: [f64; 2], range: [f64; 2], error: DepthNoise) -> Sheet {
     let intrinsics = Some(pinhole(size, half_tangents(view_deg)));
     Sheet { intrinsics, range, principle: Principle::TimeOfFlight, error, unit: 0.001 }
 }
@@ -214,7 +214,7 @@ fn time_of_flight(size: [u32; 2], view_deg: [f64; 2], range: [f64; 2], error: De
 fn structured_light(size: [u32; 2], focus: Focus, baseline: f64, range: [f64; 2]) -> Sheet {
     let intrinsics = pinhole(size, focus.field.map(|length| length / 2.0 / focus.distance));
     let principle = Principle::StructuredLight { baseline, focal: intrinsics.focal().x };
-    let error = DepthError { quadratic: focus.sigma / focus.distance.powi(2), ..DepthError::default() };
+    let error = DepthNoise { quadratic: focus.sigma / focus.distance.powi(2), ..DepthNoise::default() };
     Sheet { intrinsics: Some(intrinsics), range, principle, error, unit: 0.0 }
 }
 

@@ -6,7 +6,7 @@ use crate::map::{Background, RayRule, SensorModel};
 use crate::motion::MotionConfig;
 use crate::object::{ObjectBox, Table};
 use crate::registration::RegistrationConfig;
-use crate::sensor::{DepthRange, SurfaceError};
+use crate::sensor::{DepthRange, SurfaceNoise};
 use crate::surface::LooksGoal;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -70,11 +70,11 @@ pub struct SessionConfig {
     pub registration: RegistrationConfig,
     /// The random error of the camera. Default: none.
     #[serde(default)]
-    pub surface_error: SurfaceError,
+    pub surface_error: SurfaceNoise,
     /// The random error assumed by planning. If it is large compared to the voxels, surface is looked at
     /// again from elsewhere. Default: none; without a goal, there are no second looks.
     #[serde(default)]
-    pub planned_error: SurfaceError,
+    pub planned_error: SurfaceNoise,
     /// Required accuracy of the surface in each voxel: its expected error along the normal, standard
     /// deviation, metres, positive. Planning then also spends views on surface that was not seen well enough,
     /// and the scan continues while they help. Default: no second looks.
@@ -124,8 +124,8 @@ impl SessionConfig {
             sensor_model: SensorModel::default(),
             multi_resolution: MultiResolutionConfig::default(),
             registration: RegistrationConfig::default(),
-            surface_error: SurfaceError::default(),
-            planned_error: SurfaceError::default(),
+            surface_error: SurfaceNoise::default(),
+            planned_error: SurfaceNoise::default(),
             goal: None,
             looks: None,
             motion: MotionConfig::default(),

@@ -35,7 +35,7 @@ impl Session {
             return Some(StopReason::Complete);
         }
         let Some(choice) = &plan.choice else { return is_finest.then(|| self.reason_for_no_choice()) };
-        let share_at_goal = self.scene.quality.as_ref().map(goal::Quality::share_at_goal);
+        let share_at_goal = self.scene.quality.as_ref().map(goal::MeasuredQuality::share_at_goal);
         let little = self.config.stop.little_gain(share_at_goal);
         if outlook.is_some_and(|outlook| outlook.gain() < little) {
             return Some(StopReason::LittleToGain);

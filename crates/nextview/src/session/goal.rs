@@ -2,7 +2,7 @@ use super::config::SessionConfig;
 use crate::Error;
 use crate::geometry::Aabb;
 use crate::planner::Situation;
-use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceError};
+use crate::sensor::{DepthRange, Frame, Intrinsics, SurfaceNoise};
 use crate::surface::{MeasuredCells, SurfaceLooks};
 use crate::{Cancel, Cancelled};
 
@@ -16,7 +16,7 @@ const LEAST_DISTANCE: f64 = 0.1;
 /// (standard deviation, metres) in voxels of this size (metres).
 pub(super) fn check_reachable(
     goal: f64,
-    camera: &SurfaceError,
+    camera: &SurfaceNoise,
     voxel_size: f64,
     intrinsics: &Intrinsics,
     range: DepthRange,
@@ -33,7 +33,7 @@ pub(super) fn check_reachable(
 
 /// How accurately and how often surface was measured so far, against the goals.
 #[derive(Clone, Debug)]
-pub(super) struct Quality {
+pub(super) struct MeasuredQuality {
     /// The cells and the goal, a standard deviation in metres.
     errors: Option<(MeasuredCells, f64)>,
     looks: Option<SurfaceLooks>,
@@ -41,7 +41,7 @@ pub(super) struct Quality {
     shares: Vec<f64>,
 }
 
-impl Quality {
+impl MeasuredQuality {
     /// Returns the state before the first frame; `None` if there is no goal. The configuration must be
     /// checked.
     pub fn new(config: &SessionConfig) -> Result<Option<Self>, Error> {

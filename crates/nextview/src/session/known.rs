@@ -7,7 +7,7 @@ use crate::motion::Trajectory;
 use crate::object::{ObjectBox, OtherBody, TableTops};
 use crate::placement::{NextPlacement, Turn, TurnRefusal, next_placement};
 use crate::registration::{Registration, RegistrationMode};
-use crate::sensor::{DepthRange, Frame, SurfaceError};
+use crate::sensor::{DepthRange, Frame, SurfaceNoise};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
 
@@ -107,7 +107,7 @@ impl Session {
     }
 
     /// Returns the random error of the camera.
-    pub fn surface_error(&self) -> SurfaceError {
+    pub fn surface_error(&self) -> SurfaceNoise {
         self.config.surface_error
     }
 

@@ -1,7 +1,7 @@
 use super::SessionConfig;
 use super::alignment::Alignment;
 use super::earlier::Earlier;
-use super::goal::Quality;
+use super::goal::MeasuredQuality;
 use super::report::MapReport;
 use super::scan_map::{MapRules, ScanMap};
 use super::seen_cells::SeenCells;
@@ -25,7 +25,7 @@ pub(super) struct KnownScene {
     pub seen: SeenCells,
     pub alignment: Alignment,
     /// `None` if there are no goals.
-    pub quality: Option<Quality>,
+    pub quality: Option<MeasuredQuality>,
     /// Whether the box that was found has too many voxels and was not adopted.
     pub is_box_too_large: bool,
 }
@@ -65,7 +65,7 @@ impl KnownScene {
             map: ScanMap::new(rules, Place::default()),
             seen: SeenCells::new(voxel_size),
             alignment: Alignment::new(registration, voxel_size)?,
-            quality: Quality::new(config)?,
+            quality: MeasuredQuality::new(config)?,
             is_box_too_large: false,
         };
         let never = &Cancel::default();
@@ -139,7 +139,7 @@ impl KnownScene {
                 registration,
             }));
         }
-        added.share_at_goal = self.quality.as_mut().map(Quality::end_step);
+        added.share_at_goal = self.quality.as_mut().map(MeasuredQuality::end_step);
         let snapshot = self.map.finest_snapshot(cancel)?;
         let report = snapshot.map(|snapshot| MapReport::unless(&snapshot, cancel)).transpose()?;
         Ok(Added { report: report.unwrap_or_default(), ..added })

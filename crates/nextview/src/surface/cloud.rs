@@ -33,11 +33,11 @@ pub fn downsample_counted(
 ) -> Result<impl Iterator<Item = (CloudPoint, usize)>, Error> {
     let lattice = Lattice::new(cell)?;
     let mut slots: FxHashMap<IVec3, usize> = FxHashMap::default();
-    let mut pools: Vec<Pool> = Vec::new();
+    let mut pools: Vec<CubePool> = Vec::new();
     for point in points.into_iter().map(Into::into).filter(|point| point.position.is_finite()) {
         let slot = *slots.entry(lattice.key(point.position)).or_insert(pools.len());
         if slot == pools.len() {
-            pools.push(Pool::default());
+            pools.push(CubePool::default());
         }
         pools[slot].add(&point);
     }
@@ -46,7 +46,7 @@ pub fn downsample_counted(
 
 /// Sums over the points of a cube.
 #[derive(Clone, Copy, Default)]
-struct Pool {
+struct CubePool {
     n: usize,
     position: DVec3,
     normal: DVec3,
@@ -57,7 +57,7 @@ struct Pool {
 /// The direction of a sum of normals shorter than this is only rounding.
 const CANCELLED: f64 = 1e-6;
 
-impl Pool {
+impl CubePool {
     fn add(&mut self, point: &CloudPoint) {
         self.n += 1;
         self.position += point.position;

@@ -75,11 +75,11 @@ pub struct SurfaceLooks {
     least_density: f64,
     /// Directions with a larger cosine are the same look.
     apart_cosine: f64,
-    cells: FxHashMap<IVec3, Cell>,
+    cells: FxHashMap<IVec3, LookCell>,
 }
 
 #[derive(Clone, Debug, Default)]
-struct Cell {
+struct LookCell {
     /// Sum of the normals over the frames, towards the side that was seen.
     normal: DVec3,
     /// Unit directions from the middle of the cell to the cameras.

@@ -1,6 +1,6 @@
 use super::tangent_plane::TangentPlanes;
 use crate::geometry::{Aabb, Lattice};
-use crate::sensor::{Frame, SurfaceError};
+use crate::sensor::{Frame, SurfaceNoise};
 use crate::{Cancel, Cancelled, Error};
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
@@ -9,30 +9,30 @@ use rustc_hash::FxHashMap;
 /// along the normal.
 ///
 /// Errors of different frames are independent; those of one frame are partly correlated, by the camera's
-/// [`SurfaceError`]. Pose errors are not included.
+/// [`SurfaceNoise`]. Pose errors are not included.
 #[derive(Clone, Debug)]
 pub struct MeasuredCells {
     lattice: Lattice,
-    error: SurfaceError,
+    error: SurfaceNoise,
     /// The camera position and the focal length, pixels, of each frame.
     cameras: Vec<(DVec3, f64)>,
-    cells: FxHashMap<IVec3, Cell>,
+    cells: FxHashMap<IVec3, CellSums>,
 }
 
 /// Sums over the frames.
 #[derive(Clone, Debug, Default)]
-struct Cell {
+struct CellSums {
     /// Number of points.
     n: f64,
     /// Sum over the frames of the squared number of points times the variance of their mean.
     weighted: f64,
     normal: DVec3,
-    looks: Vec<Look>,
+    looks: Vec<CellLook>,
 }
 
 /// The points of a frame in a cell.
 #[derive(Clone, Copy, Debug)]
-struct Look {
+struct CellLook {
     frame: usize,
     /// Number of points.
     n: f64,
@@ -42,7 +42,7 @@ struct Look {
 
 /// Sums over the points of a cell in one frame.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct PointSums {
     n: f64,
     variance: f64,
     depth: f64,
@@ -58,7 +58,7 @@ const ROWS: u32 = 64;
 
 impl MeasuredCells {
     /// Returns the state before the first frame, for cubes with edges of `cell` metres (at least 0.0001).
-    pub fn new(cell: f64, error: SurfaceError) -> Result<Self, Error> {
+    pub fn new(cell: f64, error: SurfaceNoise) -> Result<Self, Error> {
         error.check()?;
         Ok(Self { lattice: Lattice::new(cell)?, error, cameras: Vec::new(), cells: FxHashMap::default() })
     }
@@ -69,7 +69,7 @@ impl MeasuredCells {
         let planes = TangentPlanes::new(frame);
         let (width, rotation) = (frame.image().width(), frame.world_from_camera().rotation_matrix());
         let focal = frame.intrinsics().focal().x;
-        let mut looks: FxHashMap<IVec3, Sums> = FxHashMap::default();
+        let mut looks: FxHashMap<IVec3, PointSums> = FxHashMap::default();
         for v in 0..frame.image().height() {
             if v % ROWS == 0 {
                 cancel.check()?;
@@ -85,12 +85,12 @@ impl MeasuredCells {
         }
         // The order of cells does not matter: each is met once.
         let frame_idx = self.cameras.len();
-        for (key, Sums { n, variance, depth, normal }) in looks {
+        for (key, PointSums { n, variance, depth, normal }) in looks {
             let cell = self.cells.entry(key).or_default();
             cell.n += n;
             cell.weighted += n * n * self.error.of_look(variance / n, n);
             cell.normal += normal;
-            cell.looks.push(Look { frame: frame_idx, n, depth });
+            cell.looks.push(CellLook { frame: frame_idx, n, depth });
         }
         self.cameras.push((frame.world_from_camera().translation(), focal));
         Ok(())
@@ -99,7 +99,7 @@ impl MeasuredCells {
     /// Returns the expected error of the mean of the points in the cell of a position, standard deviation in
     /// metres; `None` if nothing was measured there.
     pub fn error_at(&self, position: DVec3) -> Option<f64> {
-        self.cells.get(&self.lattice.key(position)).map(Cell::error)
+        self.cells.get(&self.lattice.key(position)).map(CellSums::error)
     }
 
     /// Returns the expected error of the mean over several cells, each with a weight, that hold the same
@@ -107,13 +107,13 @@ impl MeasuredCells {
     pub fn error_of(&self, cells: &[(IVec3, f64)], position: DVec3, normal: DVec3) -> Option<f64> {
         let cells = cells.iter().filter_map(|(key, weight)| Some((self.cells.get(key)?, weight)));
         let looks = cells.flat_map(|(cell, weight)| {
-            cell.looks.iter().map(move |look| Look {
+            cell.looks.iter().map(move |look| CellLook {
                 n: weight * look.n,
                 depth: weight * look.depth,
                 frame: look.frame,
             })
         });
-        let mut looks: Vec<Look> = looks.filter(|look| look.n > 0.0).collect();
+        let mut looks: Vec<CellLook> = looks.filter(|look| look.n > 0.0).collect();
         looks.sort_by_key(|look| look.frame);
         // The points of one frame in several cells are one look.
         let looks = looks.chunk_by(|a, b| a.frame == b.frame);
@@ -140,7 +140,7 @@ impl MeasuredCells {
     }
 
     /// Returns the camera's error.
-    pub(crate) fn surface_error(&self) -> &SurfaceError {
+    pub(crate) fn surface_error(&self) -> &SurfaceNoise {
         &self.error
     }
 
@@ -156,7 +156,7 @@ impl MeasuredCells {
     }
 }
 
-impl Cell {
+impl CellSums {
     fn error(&self) -> f64 {
         self.weighted.sqrt() / self.n
     }
@@ -165,12 +165,12 @@ impl Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::DepthError;
+    use crate::sensor::DepthNoise;
     use crate::sensor::made_up::of_depth;
 
     fn measured(correlated_share: f64, n_frames: usize) -> MeasuredCells {
-        let depth = DepthError { constant: 0.004, ..DepthError::default() };
-        let error = SurfaceError { depth, correlated_share, ..SurfaceError::default() };
+        let depth = DepthNoise { constant: 0.004, ..DepthNoise::default() };
+        let error = SurfaceNoise { depth, correlated_share, ..SurfaceNoise::default() };
         let mut cells = MeasuredCells::new(0.02, error).unwrap();
         // A wall from the front, whose pixels are 1 cm wide.
         let frame = of_depth(21, 17, |_, _| 0.5);

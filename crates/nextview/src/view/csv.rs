@@ -13,7 +13,7 @@ const MAX_LINE: usize = 1 << 16;
 const MAX_BYTES: u64 = 1 << 26;
 
 /// The columns of the numbers in a row.
-struct Columns {
+struct ViewColumns {
     position: [usize; 3],
     quaternion: Option<[usize; 4]>,
 }
@@ -41,7 +41,7 @@ pub(super) fn read(reader: impl Read, target: DVec3) -> Result<Vec<Pose>, Error>
             let is_header =
                 fields.iter().any(|f| f.starts_with(char::is_alphabetic) && f.parse::<f64>().is_err());
             columns = Some(
-                if is_header { Columns::named(&fields) } else { Columns::counted(&fields) }
+                if is_header { ViewColumns::named(&fields) } else { ViewColumns::counted(&fields) }
                     .map_err(problem)?,
             );
             if is_header {
@@ -64,7 +64,7 @@ pub(super) fn write(mut writer: impl Write, poses: &[Pose]) -> Result<(), Error>
     Ok(())
 }
 
-impl Columns {
+impl ViewColumns {
     fn named(header: &[&str]) -> Result<Self, String> {
         let find = |name: &&str| {
             let found = header.iter().position(|h| h.eq_ignore_ascii_case(name));

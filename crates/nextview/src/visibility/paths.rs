@@ -11,7 +11,7 @@ use pulp::Simd;
 #[derive(Debug)]
 pub(crate) struct Paths {
     /// Buffer longer than any path.
-    steps: Vec<Step>,
+    steps: Vec<PathStep>,
     /// Number of crossings of each ray, in the form of an [index](cell).
     len: Lanes,
     /// Number of crossings before the first that weakens the ray, in the same form; may exceed `len` if there
@@ -20,7 +20,7 @@ pub(crate) struct Paths {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Step {
+struct PathStep {
     index: Lanes,
     /// Visibility in front of the cell.
     visibility: [f32; LANES],
@@ -30,7 +30,7 @@ impl Paths {
     /// Allocates paths through a grid.
     pub(super) fn new(grid: &PassGrid) -> Self {
         let longest = grid.padded.dims().element_sum() as usize + 1;
-        let step = Step { index: [OUTSIDE; LANES], visibility: [1.0; LANES] };
+        let step = PathStep { index: [OUTSIDE; LANES], visibility: [1.0; LANES] };
         Self { steps: vec![step; longest], len: [OUTSIDE; LANES], n_clear: [OUTSIDE; LANES] }
     }
 
@@ -61,7 +61,7 @@ impl Paths {
         let (zero, one, outside) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0), simd.splat_f64s(OUTSIDE));
         let fade_limit = simd.splat_f64s(fade_limit as f64);
         let [x, y, z] = &packet.axes;
-        let mut axes = [Axis::<S>::load(x, part), Axis::<S>::load(y, part), Axis::<S>::load(z, part)];
+        let mut axes = [PathAxis::<S>::load(x, part), PathAxis::<S>::load(y, part), PathAxis::<S>::load(z, part)];
         let mut index = load::<S>(&packet.index, part);
         let mut visibility = [1.0; LANES];
         let (mut len, mut n_clear) = (outside, outside);
@@ -87,7 +87,7 @@ impl Paths {
     }
 }
 
-impl Step {
+impl PathStep {
     #[inline(always)]
     fn record<S: Simd>(&mut self, part: usize, index: S::f64s, visibility: &[f32; LANES]) {
         store::<S>(&mut self.index, part, index);
@@ -138,13 +138,13 @@ impl Step {
 }
 
 /// The walks along one axis.
-struct Axis<S: Simd> {
+struct PathAxis<S: Simd> {
     next: S::f64s,
     step: S::f64s,
     stride: S::f64s,
 }
 
-impl<S: Simd> Axis<S> {
+impl<S: Simd> PathAxis<S> {
     #[inline(always)]
     fn load(axis: &PacketAxis, part: usize) -> Self {
         let (next, step, stride) =
@@ -161,7 +161,7 @@ impl<S: Simd> Axis<S> {
 /// Moves every ray over its next border, on the lowest axis where several are equal, and returns how the
 /// indices move.
 #[inline(always)]
-fn advance<S: Simd>(simd: S, [x, y, z]: &mut [Axis<S>; 3]) -> S::f64s {
+fn advance<S: Simd>(simd: S, [x, y, z]: &mut [PathAxis<S>; 3]) -> S::f64s {
     let (x_y, x_z) =
         (simd.less_than_or_equal_f64s(x.next, y.next), simd.less_than_or_equal_f64s(x.next, z.next));
     let (x_first, y_z) = (simd.and_m64s(x_y, x_z), simd.less_than_or_equal_f64s(y.next, z.next));

@@ -158,7 +158,7 @@ impl<'a> RayCaster<'a> {
         let tiles = entries.and_then(|entries| {
             entries.seen_from(self.arch, &rotation, origin, self.depths.min, cells.len())
         });
-        let (mut packet, mut rays) = (Packet::default(), Rays::default());
+        let (mut packet, mut rays) = (Packet::default(), PlaneRays::default());
         for start in (0..cells.len()).step_by(SHARE) {
             let (grid, tiles) = (&self.grid, tiles.as_ref());
             self.arch.dispatch(Collect { rays: &mut rays, grid, cells, start, tiles });
@@ -223,13 +223,13 @@ impl<'a> RayCaster<'a> {
 const SHARE: usize = 512;
 
 /// Rays of a view, by their places on the plane z = 1.
-struct Rays {
+struct PlaneRays {
     x: [f64; SHARE + LANES],
     y: [f64; SHARE + LANES],
     len: usize,
 }
 
-impl Default for Rays {
+impl Default for PlaneRays {
     fn default() -> Self {
         Self { x: [0.0; SHARE + LANES], y: [0.0; SHARE + LANES], len: 0 }
     }
@@ -237,7 +237,7 @@ impl Default for Rays {
 
 /// Collects the rays through the cells of an image from `start` on; with tiles, only those that pass them.
 struct Collect<'a> {
-    rays: &'a mut Rays,
+    rays: &'a mut PlaneRays,
     grid: &'a RayGrid,
     cells: &'a Cells,
     start: usize,
@@ -270,7 +270,7 @@ impl WithSimd for Collect<'_> {
 struct Prepare<'a> {
     packet: &'a mut Packet,
     caster: &'a RayCaster<'a>,
-    rays: &'a Rays,
+    rays: &'a PlaneRays,
     first: usize,
     rotation: DMat3,
     /// In units of voxels.

@@ -10,7 +10,7 @@ use nextview::planner::{
     Choice, EvenViews, InOrder, Itinerary, Leg, MinOverlap, Outlook, Plan, RandomViews, Situation,
     ViewPlanner,
 };
-use nextview::sensor::{DepthError, DepthImage, Frame, Intrinsics, SurfaceError};
+use nextview::sensor::{DepthNoise, DepthImage, Frame, Intrinsics, SurfaceNoise};
 use nextview::session::{
     Decision, MultiResolutionConfig, NextView, Session, SessionConfig, StepReport, StopConfig, StopReason,
 };
@@ -206,9 +206,9 @@ fn stops_when_the_next_view_is_expected_to_add_little() {
 
 #[test]
 fn a_goal_for_the_error_keeps_a_scan_going_only_while_surface_misses_it() {
-    let depth = DepthError { constant: 0.001, ..DepthError::default() };
+    let depth = DepthNoise { constant: 0.001, ..DepthNoise::default() };
     let scan = |goal| {
-        let surface_error = SurfaceError { depth, ..SurfaceError::default() };
+        let surface_error = SurfaceNoise { depth, ..SurfaceNoise::default() };
         let config = SessionConfig { goal: Some(goal), surface_error, ..config(NO_PROGRESS_RULE) };
         let stop = StopConfig { progress: 0.01, ..NO_PROGRESS_RULE };
         let told = Told(vec![outlook(0.01, 100.0); 4]);

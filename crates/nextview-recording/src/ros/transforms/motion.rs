@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 /// Times and poses in ascending order, without duplicate times.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Motion(VecDeque<(f64, Pose)>);
+pub(super) struct TimedPoses(VecDeque<(f64, Pose)>);
 
 /// The reason why there is no pose at a time; times in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +19,7 @@ pub(super) enum Missing {
 /// transforms out of order, one in between may still arrive.
 const LONGEST_GAP: f64 = 0.5;
 
-impl Motion {
+impl TimedPoses {
     /// The newest time in seconds.
     pub fn newest(&self) -> Option<f64> {
         self.0.back().map(|(time, _)| *time)
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn half_way_is_half_the_arc_and_half_the_line() {
-        let mut motion = Motion::default();
+        let mut motion = TimedPoses::default();
         motion.insert(2.0, pose(1.0, 3.0));
         motion.insert(1.5, pose(0.2, 1.0));
         // The negated quaternion is the same rotation and still takes the short arc.
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn nothing_is_guessed_in_long_gaps_unless_it_stands_still() {
-        let mut motion = Motion::default();
+        let mut motion = TimedPoses::default();
         for (time, x) in [(0.0, 1.0), (5.0, 1.0), (7.0, 2.0)] {
             motion.insert(time, pose(0.0, x));
         }
@@ -109,7 +109,7 @@ mod tests {
         /// The order of arrival does not matter: the slow twin looks at all entries.
         #[test]
         fn the_order_of_arrival_does_not_matter(times in prop::collection::vec(0..40_u32, 1..30), asked in 0..160_u32) {
-            let mut motion = Motion::default();
+            let mut motion = TimedPoses::default();
             times.iter().for_each(|&time| motion.insert(0.25 * time as f64, pose(0.0, time as f64)));
             let time = 0.0625 * asked as f64;
             let entries = times.iter().map(|&entry| 0.25 * entry as f64);

@@ -1,5 +1,5 @@
 use super::error::TransformError;
-use super::motion::{Missing, Motion};
+use super::motion::{Missing, TimedPoses};
 use nextview::geometry::Pose;
 use std::collections::BTreeMap;
 
@@ -26,20 +26,20 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug)]
 pub struct TransformTree {
     /// Edges by child.
-    edges: BTreeMap<String, Edge>,
+    edges: BTreeMap<String, TransformEdge>,
     history_s: f64,
 }
 
 #[derive(Clone, Debug)]
-struct Edge {
+struct TransformEdge {
     parent: String,
-    kind: Kind,
+    kind: EdgeKind,
 }
 
 #[derive(Clone, Debug)]
-enum Kind {
+enum EdgeKind {
     Static(Pose),
-    Moving(Motion),
+    Moving(TimedPoses),
 }
 
 /// A transform that is this much older than another one of its frame, in seconds, belongs to another run of
@@ -75,9 +75,9 @@ impl TransformTree {
             return Err(invalid(parent, child, problem));
         }
         self.check(parent, child)?;
-        let new = || Edge { parent: parent.to_owned(), kind: Kind::Moving(Motion::default()) };
+        let new = || TransformEdge { parent: parent.to_owned(), kind: EdgeKind::Moving(TimedPoses::default()) };
         let edge = self.edges.entry(child.to_owned()).or_insert_with(new);
-        let Kind::Moving(motion) = &mut edge.kind else {
+        let EdgeKind::Moving(motion) = &mut edge.kind else {
             return Err(TransformError::BothKinds { frame: child.to_owned() });
         };
         let newest_s = motion.newest().unwrap_or(time_s);
@@ -101,17 +101,17 @@ impl TransformTree {
     ) -> Result<(), TransformError> {
         let (parent, child) = (plain(parent), plain(child));
         self.check(parent, child)?;
-        if let Some(Edge { kind: Kind::Moving(_), .. }) = self.edges.get(child) {
+        if let Some(TransformEdge { kind: EdgeKind::Moving(_), .. }) = self.edges.get(child) {
             return Err(TransformError::BothKinds { frame: child.to_owned() });
         }
-        let edge = Edge { parent: parent.to_owned(), kind: Kind::Static(parent_from_child) };
+        let edge = TransformEdge { parent: parent.to_owned(), kind: EdgeKind::Static(parent_from_child) };
         self.edges.insert(child.to_owned(), edge);
         Ok(())
     }
 
     /// Forgets all poses of moving frames, as when the clock restarts; static ones are kept.
     pub fn forget_motion(&mut self) {
-        self.edges.retain(|_, edge| matches!(edge.kind, Kind::Static(_)));
+        self.edges.retain(|_, edge| matches!(edge.kind, EdgeKind::Static(_)));
     }
 
     /// Returns the transform that takes points from source to destination at a time in seconds.
@@ -223,10 +223,10 @@ impl TransformTree {
     fn climb(&self, chain: &[&str], time_s: f64) -> Result<Pose, TransformError> {
         let mut to_from_first = Pose::IDENTITY;
         for child in chain {
-            let Edge { parent, kind } = &self.edges[*child];
+            let TransformEdge { parent, kind } = &self.edges[*child];
             let parent_from_child = match kind {
-                Kind::Static(pose) => *pose,
-                Kind::Moving(motion) => {
+                EdgeKind::Static(pose) => *pose,
+                EdgeKind::Moving(motion) => {
                     motion.at(time_s).map_err(|missing| error(missing, child, parent, time_s))?
                 }
             };

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 /// A parameter that distinguishes variants, or a few related ones.
 #[derive(Clone, Copy)]
-pub(super) struct Axis {
+pub(super) struct ParameterAxis {
     pub name: &'static str,
     /// Dotted keys of the configuration.
     pub keys: &'static [&'static str],
@@ -16,10 +16,10 @@ pub(super) struct Axis {
     pub label: fn(&PlannerChoice, &Value) -> Option<String>,
 }
 
-pub(super) const METHOD: Axis =
-    Axis { name: "method", keys: &["planner"], label: |planner, _| Some(method(planner)) };
+pub(super) const METHOD: ParameterAxis =
+    ParameterAxis { name: "method", keys: &["planner"], label: |planner, _| Some(method(planner)) };
 
-pub(super) const MULTI: Axis = Axis {
+pub(super) const MULTI: ParameterAxis = ParameterAxis {
     name: "multi-resolution",
     keys: &["multi_resolution"],
     label: |_, config| {
@@ -33,7 +33,7 @@ pub(super) const MULTI: Axis = Axis {
     },
 };
 
-pub(super) const HISTORY: Axis = Axis {
+pub(super) const HISTORY: ParameterAxis = ParameterAxis {
     name: "history",
     keys: &["max_flow.uses_history"],
     label: |_, config| {
@@ -42,7 +42,7 @@ pub(super) const HISTORY: Axis = Axis {
     },
 };
 
-pub(super) const GAMMA: Axis = Axis {
+pub(super) const GAMMA: ParameterAxis = ParameterAxis {
     name: "γ",
     keys: &["max_flow.gamma"],
     label: |planner, config| {
@@ -52,13 +52,13 @@ pub(super) const GAMMA: Axis = Axis {
     },
 };
 
-pub(super) const Q_THRESH: Axis = Axis {
+pub(super) const Q_THRESH: ParameterAxis = ParameterAxis {
     name: "q_thresh",
     keys: &["multi_resolution.q_thresh"],
     label: |_, config| find(config, "multi_resolution.q_thresh").and_then(number),
 };
 
-pub(super) const THETA: Axis = Axis {
+pub(super) const THETA: ParameterAxis = ParameterAxis {
     name: "θ",
     keys: &["most_surface.theta", "max_flow.theta", "greedy.theta", "batch.theta"],
     label: |planner, config| {

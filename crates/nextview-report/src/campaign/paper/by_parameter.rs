@@ -2,45 +2,45 @@
 //!
 //! Variants belong in one table if their configurations differ only in the parameters of its axes.
 
-use super::axis::{Axis, GAMMA, HISTORY, METHOD, MULTI, Q_THRESH, THETA, configuration, remove};
+use super::axis::{ParameterAxis, GAMMA, HISTORY, METHOD, MULTI, Q_THRESH, THETA, configuration, remove};
 use super::published::{self, COVERAGE, MOVEMENT, Published, TIME};
 use crate::campaign::document::{Cell, Column, Row, Table};
 use nextview_campaign::statistics::{Study, StudyVariant};
 use serde_json::Value;
 
 /// The measures over an axis, with a row for each measure and each value of the other axis.
-pub(super) struct Definition {
+pub(super) struct TableDefinition {
     number: &'static str,
     title: &'static str,
-    rows: Axis,
-    columns: Axis,
+    rows: ParameterAxis,
+    columns: ParameterAxis,
     measures: &'static [Published],
 }
 
 /// The tables, in the paper's order.
-pub(super) const PARAMETER_TABLES: [Definition; 4] = [
-    Definition {
+pub(super) const PARAMETER_TABLES: [TableDefinition; 4] = [
+    TableDefinition {
         number: "III",
         title: "Multi-resolution ablation",
         rows: METHOD,
         columns: MULTI,
         measures: &[COVERAGE, TIME],
     },
-    Definition {
+    TableDefinition {
         number: "IV",
         title: "Weight of the flow and history",
         rows: HISTORY,
         columns: GAMMA,
         measures: &[COVERAGE],
     },
-    Definition {
+    TableDefinition {
         number: "V",
         title: "Threshold of multi-resolution",
         rows: METHOD,
         columns: Q_THRESH,
         measures: &[COVERAGE],
     },
-    Definition {
+    TableDefinition {
         number: "VII",
         title: "Weight of the robot's movement",
         rows: METHOD,
@@ -50,7 +50,7 @@ pub(super) const PARAMETER_TABLES: [Definition; 4] = [
 ];
 
 /// A variant's place in a table.
-struct Place<'s> {
+struct TablePosition<'s> {
     variant: &'s StudyVariant,
     /// The configuration without the axes' parameters.
     rest: Value,
@@ -58,10 +58,10 @@ struct Place<'s> {
     column: String,
 }
 
-impl Definition {
+impl TableDefinition {
     /// Returns the table; `None` if no row would have two columns.
     pub fn fill(&self, study: &Study) -> Option<Table> {
-        let places: Vec<Place<'_>> = study.variants.iter().filter_map(|v| self.place(v)).collect();
+        let places: Vec<TablePosition<'_>> = study.variants.iter().filter_map(|v| self.place(v)).collect();
         let lines = lines(&places);
         let mut columns: Vec<&str> = lines.iter().flatten().map(|place| place.column.as_str()).collect();
         columns.sort_by(|a, b| by_value(a, b));
@@ -81,15 +81,15 @@ impl Definition {
         (!rows.is_empty()).then_some(Table { caption, head, rows })
     }
 
-    fn place<'s>(&self, variant: &'s StudyVariant) -> Option<Place<'s>> {
+    fn place<'s>(&self, variant: &'s StudyVariant) -> Option<TablePosition<'s>> {
         let mut rest = configuration(variant);
         let row = (self.rows.label)(&variant.planner, &rest)?;
         let column = (self.columns.label)(&variant.planner, &rest)?;
         self.rows.keys.iter().chain(self.columns.keys).for_each(|key| remove(&mut rest, key));
-        Some(Place { variant, rest, row, column })
+        Some(TablePosition { variant, rest, row, column })
     }
 
-    fn cell(&self, row: &[&Place<'_>], column: &str, (measure, name): &Published) -> Cell {
+    fn cell(&self, row: &[&TablePosition<'_>], column: &str, (measure, name): &Published) -> Cell {
         let here = row.iter().filter(|place| place.column == column);
         let values = here.filter_map(|place| Some(measure.show(place.variant.mean(measure)?)));
         let text = values.collect::<Vec<_>>().join(" / ");
@@ -98,10 +98,10 @@ impl Definition {
 }
 
 /// Places that differ only in the column, row by row; rows with one column are left out.
-fn lines<'p, 's>(places: &'p [Place<'s>]) -> Vec<Vec<&'p Place<'s>>> {
-    let mut rows: Vec<Vec<&Place<'_>>> = Vec::new();
+fn lines<'p, 's>(places: &'p [TablePosition<'s>]) -> Vec<Vec<&'p TablePosition<'s>>> {
+    let mut rows: Vec<Vec<&TablePosition<'_>>> = Vec::new();
     for place in places {
-        let same = |row: &&mut Vec<&Place<'_>>| row[0].row == place.row && row[0].rest == place.rest;
+        let same = |row: &&mut Vec<&TablePosition<'_>>| row[0].row == place.row && row[0].rest == place.rest;
         match rows.iter_mut().find(same) {
             Some(row) => row.push(place),
             None => rows.push(vec![place]),
@@ -114,8 +114,8 @@ fn lines<'p, 's>(places: &'p [Place<'s>]) -> Vec<Vec<&'p Place<'s>>> {
 
 /// The name of a line. Lines with the same row label differ in a parameter that the table does not show, and
 /// are named after a variant.
-fn line_name(line: &[&Place<'_>], is_alone: bool) -> String {
-    let Place { row, variant, .. } = line[0];
+fn line_name(line: &[&TablePosition<'_>], is_alone: bool) -> String {
+    let TablePosition { row, variant, .. } = line[0];
     if is_alone { row.clone() } else { format!("{row} (as {})", variant.name) }
 }
 

@@ -4,7 +4,7 @@ use crate::scan::scan_copy::ScanCopy;
 use glam::DVec3;
 use nextview::geometry::Aabb;
 use nextview_model::SurfaceMesh;
-use nextview_scan::FinishedScan;
+use nextview_scan::ScanState;
 
 /// The measured surface of a scan, the expected surface in addition, and the expected gain of each view
 /// candidate.
@@ -30,7 +30,7 @@ impl ShownModel {
     /// about as long as the final mesh.
     ///
     /// Parts that cannot be made are left out: all of them, before an object was found.
-    pub fn of_scan(scan: &FinishedScan<'_>, max_vertices: usize) -> Self {
+    pub fn of_scan(scan: &ScanState<'_>, max_vertices: usize) -> Self {
         Self::of_copy(&ScanCopy::of(scan), &mut FusedFrames::default(), max_vertices)
     }
 

@@ -1,6 +1,6 @@
 //! The measured points in few bytes: an even selection, with 16 bits per coordinate.
 
-use super::pack::Positions;
+use super::pack::PackedPositions;
 use crate::scan::input::ScanPage;
 use crate::text;
 use glam::Vec3;
@@ -11,8 +11,8 @@ pub(in crate::scan) const MAX_POINTS: usize = 100_000;
 
 /// Points of views, view after view.
 #[derive(Debug, PartialEq)]
-pub(super) struct Cloud {
-    pub points: Positions,
+pub(super) struct ViewerCloud {
+    pub points: PackedPositions,
     /// For each view, the number of points of all views up to it.
     pub ends: Vec<usize>,
     /// Corners of the box without the outer hundredth of the points on each side, which contains stray ones.
@@ -20,15 +20,15 @@ pub(super) struct Cloud {
 }
 
 /// Packs at most `max_points` points of these steps; points that are not finite are left out.
-pub(super) fn pack(page: &ScanPage<'_>, steps: Range<usize>, max_points: usize) -> Cloud {
+pub(super) fn pack(page: &ScanPage<'_>, steps: Range<usize>, max_points: usize) -> ViewerCloud {
     let finite = |i| page.points(i).iter().copied().filter(|p| p.is_finite()).collect::<Vec<_>>();
     packed(&steps.map(finite).collect::<Vec<_>>(), max_points)
 }
 
-fn packed(views: &[Vec<Vec3>], max_points: usize) -> Cloud {
+fn packed(views: &[Vec<Vec3>], max_points: usize) -> ViewerCloud {
     let n_measured = views.iter().map(Vec::len).sum();
     let (points, ends) = choose(views, n_measured, max_points);
-    Cloud { points: Positions::of(&points), ends, core: core(&points) }
+    ViewerCloud { points: PackedPositions::of(&points), ends, core: core(&points) }
 }
 
 /// A sentence for the reader if not all points are shown.
@@ -101,6 +101,6 @@ mod tests {
     #[test]
     fn nothing_measured_is_no_fault() {
         let cloud = packed(&[], 10);
-        assert_eq!((cloud.points, cloud.ends), (Positions::default(), vec![]));
+        assert_eq!((cloud.points, cloud.ends), (PackedPositions::default(), vec![]));
     }
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 /// Positions with 16 bits per coordinate.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Positions {
+pub(super) struct PackedPositions {
     /// Three little-endian 16-bit numbers per position.
     pub data: String,
     /// Lowest corner, metres.
@@ -14,7 +14,7 @@ pub(super) struct Positions {
     pub unit: Vec3,
 }
 
-impl Positions {
+impl PackedPositions {
     /// Packs finite positions.
     pub fn of(points: &[Vec3]) -> Self {
         let min = points.iter().copied().reduce(Vec3::min).unwrap_or_default();
@@ -65,12 +65,12 @@ mod tests {
     #[test]
     fn packed_positions_come_back() {
         let points = [Vec3::new(-1.0, 2.0, 0.5), Vec3::new(0.0, 2.0, 0.75), Vec3::new(1.0, 2.0, 1.0)];
-        let packed = Positions::of(&points);
+        let packed = PackedPositions::of(&points);
         assert_eq!((packed.min, packed.unit), (points[0], Vec3::new(2.0, 0.0, 0.5) / 65535.0));
         let bytes = BASE64_STANDARD.decode(packed.data).unwrap();
         let numbers: Vec<u16> = bytes.chunks(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect();
         assert_eq!(numbers, [0, 0, 0, 32768, 0, 32768, 65535, 0, 65535]);
-        assert_eq!(Positions::of(&[]), Positions::default());
+        assert_eq!(PackedPositions::of(&[]), PackedPositions::default());
     }
 
     #[test]

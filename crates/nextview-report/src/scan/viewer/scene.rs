@@ -2,7 +2,7 @@
 //! element.
 
 use super::cloud;
-use super::pack::{Positions, base64, indices};
+use super::pack::{PackedPositions, base64, indices};
 use crate::scan::color;
 use crate::scan::input::ScanPage;
 use crate::scan::shown::{ShownModel, ShownVertex};
@@ -59,7 +59,7 @@ fn surface(model: &ShownModel, vertices: &[Vec3]) -> String {
     };
     format!(
         r#"{{"positions":{},"triangles":"{}","looks":"{}","colors":"{colors}"}}"#,
-        Positions::of(vertices).json(),
+        PackedPositions::of(vertices).json(),
         indices(&model.triangles),
         base64(model.vertices.iter().flat_map(looks)),
     )
@@ -71,7 +71,7 @@ fn shell(model: &ShownModel) -> String {
     }
     let vertices: Vec<Vec3> = model.expected.vertices.iter().map(|vertex| vertex.as_vec3()).collect();
     let triangles = indices(&model.expected.triangles);
-    format!(r#"{{"positions":{},"triangles":"{triangles}"}}"#, Positions::of(&vertices).json())
+    format!(r#"{{"positions":{},"triangles":"{triangles}"}}"#, PackedPositions::of(&vertices).json())
 }
 
 /// The candidates, with their gains in 255ths of the largest; that list is empty without gains.
@@ -89,7 +89,7 @@ fn candidates(page: &ScanPage<'_>) -> String {
     let shares = gains.iter().map(|gain| (255.0 * gain / best.max(f64::MIN_POSITIVE)).round() as u8);
     format!(
         r#"{{"best":{best:.1},"positions":{},"gains":"{}"}}"#,
-        Positions::of(&places).json(),
+        PackedPositions::of(&places).json(),
         base64(shares)
     )
 }

@@ -1,7 +1,7 @@
 use crate::source::session_config::{VOXEL_SIZE, session_config, suitable_voxel_size, voxel_block};
 #[cfg(feature = "simulated")]
 use crate::source::{
-    recorded::true_shape::{Progress, TrueShape},
+    recorded::true_shape::{RecordedEvaluation, TrueShape},
     simulated::{Baselines, Truth, measure_model},
 };
 use crate::{
@@ -16,7 +16,7 @@ use nextview::geometry::Aabb;
 use nextview::geometry::Pose;
 use nextview::object::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ObjectBox, Table};
 use nextview::planner::ViewPlanner;
-use nextview::sensor::{ColorImage, SurfaceError};
+use nextview::sensor::{ColorImage, SurfaceNoise};
 use nextview::session::{NextView, Session, SessionConfig};
 use nextview::view::ViewSpace;
 use nextview_model::SurfaceMesh;
@@ -162,7 +162,7 @@ impl FrameSource for RecordedScan {
 struct RecordedEvaluator<'a> {
     scan: &'a RecordedScan,
     #[cfg(feature = "simulated")]
-    progress: Option<Progress<'a>>,
+    progress: Option<RecordedEvaluation<'a>>,
 }
 
 impl Evaluator for RecordedEvaluator<'_> {
@@ -252,7 +252,7 @@ fn resolve(
     let session_config = session_config(config, n_frames, voxel_size, object_box, table);
     // A real camera is never exact.
     let planned_error = match session_config.surface_error {
-        unknown if unknown == SurfaceError::default() => SurfaceError::of_unknown_camera(),
+        unknown if unknown == SurfaceNoise::default() => SurfaceNoise::of_unknown_camera(),
         stated => stated,
     };
     let session_config = SessionConfig { planned_error, ..session_config };

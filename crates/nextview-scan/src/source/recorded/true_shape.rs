@@ -83,9 +83,9 @@ impl TrueShape {
     }
 
     /// The progress of a scan before its first frame, with the object voxels that any frame shows.
-    pub fn progress<'a>(&'a self, reachable: Option<&'a FixedBitSet>) -> Progress<'a> {
+    pub fn progress<'a>(&'a self, reachable: Option<&'a FixedBitSet>) -> RecordedEvaluation<'a> {
         let surface = SurfaceCoverage::new(&self.mesh);
-        Progress { truth: self, reachable, surface, distances: Vec::new(), n_mapped: 0 }
+        RecordedEvaluation { truth: self, reachable, surface, distances: Vec::new(), n_mapped: 0 }
     }
 
     /// Number of object voxels.
@@ -95,7 +95,7 @@ impl TrueShape {
 }
 
 /// Evaluates a recorded scan against ground truth, frame by frame.
-pub(super) struct Progress<'a> {
+pub(super) struct RecordedEvaluation<'a> {
     truth: &'a TrueShape,
     reachable: Option<&'a FixedBitSet>,
     surface: SurfaceCoverage,
@@ -105,7 +105,7 @@ pub(super) struct Progress<'a> {
     n_mapped: usize,
 }
 
-impl Progress<'_> {
+impl RecordedEvaluation<'_> {
     /// Fills in the scan's progress with the frames in the map; returns the number of surface samples seen.
     pub fn measure(&mut self, session: &Session, record: &mut StepRecord) -> usize {
         let Self { truth, reachable, surface, distances, n_mapped } = self;

@@ -1,13 +1,13 @@
 //! The binary data of a document: buffers and the arrays in them.
 
-use super::json::{Buffer, Document, field};
+use super::json::{Buffer, GltfDocument, field};
 use crate::SimError;
 use crate::mesh::image::Resolve;
 use std::borrow::Cow;
 
 /// The data of every buffer.
 pub(super) fn load<'a>(
-    document: &Document,
+    document: &GltfDocument,
     chunk: Option<&'a [u8]>,
     resolve: &Resolve,
 ) -> Result<Vec<Cow<'a, [u8]>>, SimError> {
@@ -49,7 +49,7 @@ pub(super) fn of_uri(place: &str, uri: &str, resolve: &Resolve) -> Result<Vec<u8
 
 /// The bytes of buffer view `i`.
 pub(super) fn view<'a>(
-    document: &Document,
+    document: &GltfDocument,
     buffers: &'a [Cow<[u8]>],
     i: usize,
 ) -> Result<&'a [u8], SimError> {
@@ -60,7 +60,7 @@ pub(super) fn view<'a>(
 
 /// The elements of accessor `i`, each as the bytes of `n_components` numbers of `component_size` bytes.
 pub(super) fn elements<'a>(
-    document: &Document,
+    document: &GltfDocument,
     buffers: &'a [Cow<[u8]>],
     i: usize,
     element_size: usize,

@@ -1,7 +1,7 @@
 //! Colours of vertices, base colours of materials and their textures.
 
 use super::buffers::{elements, of_uri, view};
-use super::json::{Document, Primitive, field};
+use super::json::{GltfDocument, Primitive, field};
 use crate::SimError;
 use crate::mesh::image::{Images, Resolve};
 use crate::mesh::raw::RawMesh;
@@ -11,7 +11,7 @@ use std::borrow::Cow;
 
 /// All materials of the document, in its order.
 pub(super) fn add_materials(
-    document: &Document,
+    document: &GltfDocument,
     buffers: &[Cow<[u8]>],
     resolve: &Resolve,
     images: &mut Images,
@@ -33,7 +33,7 @@ pub(super) fn add_materials(
 }
 
 fn image(
-    document: &Document,
+    document: &GltfDocument,
     buffers: &[Cow<[u8]>],
     texture: usize,
     resolve: &Resolve,
@@ -54,7 +54,7 @@ fn image(
 
 /// The colours of the vertices of a primitive, from vertex `first` on.
 pub(super) fn add_colors(
-    document: &Document,
+    document: &GltfDocument,
     buffers: &[Cow<[u8]>],
     primitive: &Primitive,
     first: usize,
@@ -75,7 +75,7 @@ pub(super) fn add_colors(
 
 /// The material of the triangles of a primitive; vertices and triangles begin at `first`.
 pub(super) fn add_faces(
-    document: &Document,
+    document: &GltfDocument,
     buffers: &[Cow<[u8]>],
     primitive: &Primitive,
     first: [usize; 2],
@@ -124,7 +124,7 @@ fn check_count(accessor: usize, n: usize, n_vertices: usize) -> Result<(), SimEr
 
 /// The elements of accessor `i`: floats, or whole numbers that stand for 0 to 1.
 fn shares<const N: usize>(
-    document: &Document,
+    document: &GltfDocument,
     buffers: &[Cow<[u8]>],
     i: usize,
     shape: &str,

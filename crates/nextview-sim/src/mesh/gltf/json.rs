@@ -12,14 +12,14 @@ const MAX_ENTRIES: usize = 200_000;
 #[derive(Debug, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 #[derive(Default)]
-pub(super) struct Document {
+pub(super) struct GltfDocument {
     #[serde(deserialize_with = "list")]
     pub extensions_required: Vec<String>,
     pub scene: Option<usize>,
     #[serde(deserialize_with = "list")]
-    pub scenes: Vec<Scene>,
+    pub scenes: Vec<GltfScene>,
     #[serde(deserialize_with = "list")]
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<GltfNode>,
     #[serde(deserialize_with = "list")]
     pub meshes: Vec<Mesh>,
     #[serde(deserialize_with = "list")]
@@ -29,16 +29,16 @@ pub(super) struct Document {
     #[serde(deserialize_with = "list")]
     pub buffers: Vec<Buffer>,
     #[serde(deserialize_with = "list")]
-    pub materials: Vec<Material>,
+    pub materials: Vec<GltfMaterial>,
     #[serde(deserialize_with = "list")]
     pub textures: Vec<Texture>,
     #[serde(deserialize_with = "list")]
-    pub images: Vec<Image>,
+    pub images: Vec<GltfImage>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
-pub(super) struct Material {
+pub(super) struct GltfMaterial {
     pub pbr_metallic_roughness: BaseColor,
 }
 
@@ -65,20 +65,20 @@ pub(super) struct Texture {
 
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Image {
+pub(super) struct GltfImage {
     pub uri: Option<String>,
     pub buffer_view: Option<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Scene {
+pub(super) struct GltfScene {
     pub nodes: Vec<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Node {
+pub(super) struct GltfNode {
     pub mesh: Option<usize>,
     pub children: Vec<usize>,
     pub matrix: Option<[f64; 16]>,

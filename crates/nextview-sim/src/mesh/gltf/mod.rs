@@ -11,13 +11,13 @@ use super::raw::RawMesh;
 use crate::SimError;
 use buffers::elements;
 use glam::{DMat4, DQuat, DVec3};
-use json::{Document, Node, Primitive, field};
+use json::{GltfDocument, GltfNode, Primitive, field};
 use nextview::text::plain;
 use std::borrow::Cow;
 
 pub(super) fn parse(bytes: &[u8], resolve: &Resolve) -> Result<RawMesh, SimError> {
     let (json, chunk) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
-    let document: Document = serde_json::from_slice(&plain(json)?)
+    let document: GltfDocument = serde_json::from_slice(&plain(json)?)
         .map_err(|error| SimError::format(format!("JSON line {}", error.line()), error.to_string()))?;
     check_extensions(&document)?;
     let buffers = buffers::load(&document, chunk, resolve)?;
@@ -68,7 +68,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), SimError> {
     Ok((json, Some(binary)))
 }
 
-fn check_extensions(document: &Document) -> Result<(), SimError> {
+fn check_extensions(document: &GltfDocument) -> Result<(), SimError> {
     let is_needed = |name: &&String| {
         ["draco", "meshopt", "quantization", "gpu_instancing", "texture_transform"]
             .iter()
@@ -85,7 +85,7 @@ fn check_extensions(document: &Document) -> Result<(), SimError> {
 
 /// All nodes of the scene (of all roots, if the file has no scene) with their transforms to a world with z
 /// up.
-fn placed_nodes(document: &Document) -> Result<Vec<(&Node, DMat4)>, SimError> {
+fn placed_nodes(document: &GltfDocument) -> Result<Vec<(&GltfNode, DMat4)>, SimError> {
     let roots = match document.scenes.is_empty() {
         false => field(&document.scenes, document.scene.unwrap_or(0), "scenes")?.nodes.clone(),
         true => {
@@ -127,7 +127,7 @@ fn reach(
     Ok(())
 }
 
-fn local_transform(node: &Node) -> DMat4 {
+fn local_transform(node: &GltfNode) -> DMat4 {
     match node.matrix {
         Some(matrix) => DMat4::from_cols_array(&matrix),
         None => {
@@ -142,14 +142,14 @@ fn local_transform(node: &Node) -> DMat4 {
 }
 
 /// Numbers of vertices and corners that a primitive states.
-fn counts(document: &Document, primitive: &Primitive) -> Result<[usize; 2], SimError> {
+fn counts(document: &GltfDocument, primitive: &Primitive) -> Result<[usize; 2], SimError> {
     let count = |i: usize| field(&document.accessors, i, "accessors").map(|accessor| accessor.count);
     let n_vertices = primitive.attributes.position.map_or(Ok(0), count)?;
     Ok([n_vertices, primitive.indices.map_or(Ok(n_vertices), count)?])
 }
 
 fn add_primitive(
-    document: &Document,
+    document: &GltfDocument,
     buffers: &[Cow<[u8]>],
     primitive: &Primitive,
     world_from_node: DMat4,
@@ -188,7 +188,7 @@ fn triangles(mode: u32, corners: &[u32]) -> Box<dyn Iterator<Item = [u32; 3]> + 
     }
 }
 
-fn read_positions(document: &Document, buffers: &[Cow<[u8]>], i: usize) -> Result<Vec<DVec3>, SimError> {
+fn read_positions(document: &GltfDocument, buffers: &[Cow<[u8]>], i: usize) -> Result<Vec<DVec3>, SimError> {
     let accessor = field(&document.accessors, i, "accessors")?;
     if (accessor.component_type, accessor.shape.as_str()) != (5126, "VEC3") {
         let problem = format!(
@@ -203,7 +203,7 @@ fn read_positions(document: &Document, buffers: &[Cow<[u8]>], i: usize) -> Resul
 }
 
 fn read_indices(
-    document: &Document,
+    document: &GltfDocument,
     buffers: &[Cow<[u8]>],
     i: usize,
     n_vertices: usize,

@@ -1,28 +1,28 @@
-use super::header::{Element, Format, Header, Kind, Property};
+use super::header::{Element, PlyFormat, PlyHeader, NumberType, Property};
 use crate::SimError;
-use crate::mesh::text::{Line, lines};
+use crate::mesh::text::{NumberedLine, lines};
 
 /// The content after the header, read element by element.
 pub(super) enum Body<'a> {
-    Text { lines: Box<dyn Iterator<Item = Line<'a>> + 'a>, n_bytes: usize },
+    Text { lines: Box<dyn Iterator<Item = NumberedLine<'a>> + 'a>, n_bytes: usize },
     Binary { bytes: &'a [u8], at: usize, is_big: bool },
 }
 
 /// The values of one element, in order.
 pub(super) enum Values<'b, 'a> {
-    Text { line: Line<'a>, word: usize },
+    Text { line: NumberedLine<'a>, word: usize },
     Binary { bytes: &'a [u8], at: &'b mut usize, is_big: bool },
 }
 
 impl<'a> Body<'a> {
-    pub fn new(header: &Header, bytes: &'a [u8]) -> Self {
+    pub fn new(header: &PlyHeader, bytes: &'a [u8]) -> Self {
         let text = &bytes[header.n_bytes..];
         match header.format {
-            Format::Text => {
+            PlyFormat::Text => {
                 Self::Text { lines: Box::new(lines(text, header.n_lines + 1)), n_bytes: text.len() }
             }
-            Format::LittleEndian => Self::Binary { bytes, at: header.n_bytes, is_big: false },
-            Format::BigEndian => Self::Binary { bytes, at: header.n_bytes, is_big: true },
+            PlyFormat::LittleEndian => Self::Binary { bytes, at: header.n_bytes, is_big: false },
+            PlyFormat::BigEndian => Self::Binary { bytes, at: header.n_bytes, is_big: true },
         }
     }
 
@@ -64,7 +64,7 @@ impl<'a> Body<'a> {
 
 impl Values<'_, '_> {
     /// Returns the next value.
-    pub fn number(&mut self, kind: Kind) -> Result<f64, SimError> {
+    pub fn number(&mut self, kind: NumberType) -> Result<f64, SimError> {
         match self {
             Self::Text { line, word } => {
                 *word += 1;
@@ -81,7 +81,7 @@ impl Values<'_, '_> {
     }
 
     /// Reads the length of a list of `item`s, which must fit into the rest of the file.
-    pub fn length(&mut self, length: Kind, item: Kind) -> Result<usize, SimError> {
+    pub fn length(&mut self, length: NumberType, item: NumberType) -> Result<usize, SimError> {
         let stated = self.number(length)?;
         let max = match self {
             Self::Text { line, word } => line.words().len() - *word,
@@ -130,8 +130,8 @@ impl Values<'_, '_> {
     }
 }
 
-/// A number from its [`Kind::size`] bytes.
-fn decode(value: &[u8], kind: Kind, is_big: bool) -> f64 {
+/// A number from its [`NumberType::size`] bytes.
+fn decode(value: &[u8], kind: NumberType, is_big: bool) -> f64 {
     let mut bytes = [0; 8];
     let bytes = &mut bytes[..value.len()];
     bytes.copy_from_slice(value);
@@ -139,14 +139,14 @@ fn decode(value: &[u8], kind: Kind, is_big: bool) -> f64 {
         bytes.reverse();
     }
     match (kind, &*bytes) {
-        (Kind::I8, &[a]) => a as i8 as f64,
-        (Kind::U8, &[a]) => a as f64,
-        (Kind::I16, &[a, b]) => i16::from_le_bytes([a, b]) as f64,
-        (Kind::U16, &[a, b]) => u16::from_le_bytes([a, b]) as f64,
-        (Kind::I32, &[a, b, c, d]) => i32::from_le_bytes([a, b, c, d]) as f64,
-        (Kind::U32, &[a, b, c, d]) => u32::from_le_bytes([a, b, c, d]) as f64,
-        (Kind::F32, &[a, b, c, d]) => f32::from_le_bytes([a, b, c, d]) as f64,
-        (Kind::F64, &[a, b, c, d, e, f, g, h]) => f64::from_le_bytes([a, b, c, d, e, f, g, h]),
+        (NumberType::I8, &[a]) => a as i8 as f64,
+        (NumberType::U8, &[a]) => a as f64,
+        (NumberType::I16, &[a, b]) => i16::from_le_bytes([a, b]) as f64,
+        (NumberType::U16, &[a, b]) => u16::from_le_bytes([a, b]) as f64,
+        (NumberType::I32, &[a, b, c, d]) => i32::from_le_bytes([a, b, c, d]) as f64,
+        (NumberType::U32, &[a, b, c, d]) => u32::from_le_bytes([a, b, c, d]) as f64,
+        (NumberType::F32, &[a, b, c, d]) => f32::from_le_bytes([a, b, c, d]) as f64,
+        (NumberType::F64, &[a, b, c, d, e, f, g, h]) => f64::from_le_bytes([a, b, c, d, e, f, g, h]),
         _ => unreachable!("the caller cuts out the size of the kind"),
     }
 }

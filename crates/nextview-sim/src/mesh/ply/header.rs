@@ -3,7 +3,7 @@ use crate::mesh::text::shown;
 
 /// Encoding of the values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Format {
+pub(super) enum PlyFormat {
     Text,
     LittleEndian,
     BigEndian,
@@ -11,7 +11,7 @@ pub(super) enum Format {
 
 /// A type of number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum NumberType {
     I8,
     U8,
     I16,
@@ -22,7 +22,7 @@ pub(super) enum Kind {
     F64,
 }
 
-impl Kind {
+impl NumberType {
     /// Returns the size in a binary file, bytes.
     pub fn size(self) -> usize {
         match self {
@@ -51,8 +51,8 @@ impl Kind {
 /// A value, or a list of values, that each element has.
 #[derive(Debug)]
 pub(super) enum Property {
-    Scalar { name: String, kind: Kind },
-    List { name: String, length: Kind, item: Kind },
+    Scalar { name: String, kind: NumberType },
+    List { name: String, length: NumberType, item: NumberType },
 }
 
 impl Property {
@@ -81,8 +81,8 @@ pub(super) struct Element {
 
 /// The header.
 #[derive(Debug)]
-pub(super) struct Header {
-    pub format: Format,
+pub(super) struct PlyHeader {
+    pub format: PlyFormat,
     pub elements: Vec<Element>,
     /// Size of the header in bytes.
     pub n_bytes: usize,
@@ -90,7 +90,7 @@ pub(super) struct Header {
     pub n_lines: usize,
 }
 
-impl Header {
+impl PlyHeader {
     /// Parses a header. Every line ends as the first one does; letters may be of any case.
     pub fn parse(bytes: &[u8]) -> Result<Self, SimError> {
         let end = line_end(bytes);
@@ -150,11 +150,11 @@ fn line_end(bytes: &[u8]) -> u8 {
     }
 }
 
-fn parse_format(name: &str) -> Result<Format, String> {
+fn parse_format(name: &str) -> Result<PlyFormat, String> {
     match name {
-        "ascii" => Ok(Format::Text),
-        "binary_little_endian" => Ok(Format::LittleEndian),
-        "binary_big_endian" => Ok(Format::BigEndian),
+        "ascii" => Ok(PlyFormat::Text),
+        "binary_little_endian" => Ok(PlyFormat::LittleEndian),
+        "binary_big_endian" => Ok(PlyFormat::BigEndian),
         _ => {
             Err(format!("unknown format {name:?}, expected ascii, binary_little_endian or binary_big_endian"))
         }
@@ -167,11 +167,11 @@ fn parse_element(name: &str, count: &str) -> Result<Element, String> {
 }
 
 fn parse_property(words: &[&str]) -> Result<Property, String> {
-    let kind = |name: &str| Kind::parse(name).ok_or_else(|| format!("unknown type {name:?}"));
+    let kind = |name: &str| NumberType::parse(name).ok_or_else(|| format!("unknown type {name:?}"));
     match *words {
         ["list", length, item, name] => {
             let (length, item) = (kind(length)?, kind(item)?);
-            if matches!(length, Kind::F32 | Kind::F64) {
+            if matches!(length, NumberType::F32 | NumberType::F64) {
                 return Err("the length of a list is a float, expected an integer type".into());
             }
             Ok(Property::List { name: name.to_owned(), length, item })

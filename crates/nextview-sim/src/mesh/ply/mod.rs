@@ -8,7 +8,7 @@ use super::raw::RawMesh;
 use crate::SimError;
 use body::{Body, Values};
 use glam::DVec3;
-use header::{Element, Format, Header, Property};
+use header::{Element, PlyFormat, PlyHeader, Property};
 use nextview::surface::CloudPoint;
 use nextview::text::{plain, unmarked};
 use std::borrow::Cow;
@@ -31,12 +31,12 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SimError> {
 }
 
 /// The header and the bytes it describes. A text gets usual line ends, which have the same length.
-fn header_of(bytes: &[u8]) -> Result<(Header, Cow<'_, [u8]>), SimError> {
+fn header_of(bytes: &[u8]) -> Result<(PlyHeader, Cow<'_, [u8]>), SimError> {
     let bytes = unmarked(bytes)?;
-    let header = Header::parse(bytes)?;
+    let header = PlyHeader::parse(bytes)?;
     let bytes = match header.format {
-        Format::Text => plain(bytes)?,
-        Format::LittleEndian | Format::BigEndian => Cow::Borrowed(bytes),
+        PlyFormat::Text => plain(bytes)?,
+        PlyFormat::LittleEndian | PlyFormat::BigEndian => Cow::Borrowed(bytes),
     };
     Ok((header, bytes))
 }
@@ -69,7 +69,7 @@ pub(super) fn parse_points(bytes: &[u8]) -> Result<(Vec<CloudPoint>, RawMesh), S
 }
 
 /// These columns if vertices have all of them, otherwise none.
-fn all_of<'a>(header: &Header, columns: &'a [&'a str]) -> &'a [&'a str] {
+fn all_of<'a>(header: &PlyHeader, columns: &'a [&'a str]) -> &'a [&'a str] {
     let properties = header.element("vertex").map_or(&[][..], |vertex| &vertex.properties);
     let is_there = |column: &&str| properties.iter().any(|property| property.name() == *column);
     if columns.iter().all(is_there) { columns } else { &[] }
@@ -86,7 +86,7 @@ fn vector(values: &[f64]) -> DVec3 {
 /// Reads all elements: passes these columns of every vertex to `vertex`, colours as 0 to 255, and reads the
 /// faces. The first three columns are required.
 fn read(
-    header: &Header,
+    header: &PlyHeader,
     bytes: &[u8],
     columns: &[&str],
     mut vertex: impl FnMut(&[f64]),
@@ -144,8 +144,8 @@ fn read_vertices(
 }
 
 /// A colour, 0 to 255: integers are used as they are, floats are 0 to 1.
-fn color_value(value: f64, kind: header::Kind) -> Result<f64, String> {
-    let most = if matches!(kind, header::Kind::F32 | header::Kind::F64) { 1.0 } else { 255.0 };
+fn color_value(value: f64, kind: header::NumberType) -> Result<f64, String> {
+    let most = if matches!(kind, header::NumberType::F32 | header::NumberType::F64) { 1.0 } else { 255.0 };
     match (0.0..=most).contains(&value) {
         true => Ok(value * (255.0 / most)),
         false => Err(format!("a colour is {value}, expected 0 to {most}")),
@@ -190,7 +190,7 @@ fn read_faces(
     Ok(())
 }
 
-fn corner(values: &mut Values, kind: header::Kind, n_vertices: u64) -> Result<u32, SimError> {
+fn corner(values: &mut Values, kind: header::NumberType, n_vertices: u64) -> Result<u32, SimError> {
     let index = values.number(kind)?;
     if index.fract() == 0.0 && index >= 0.0 && index < (n_vertices as f64).min(u32::MAX as f64) {
         return Ok(index as u32);

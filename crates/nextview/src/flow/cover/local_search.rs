@@ -25,7 +25,7 @@ pub(super) fn improve(
     cancel: &Cancel,
 ) -> Result<Vec<u32>, Cancelled> {
     let max_work = MAX_WORK.min(candidates.n_pairs() * MAX_WORK_PER_EDGE);
-    let mut search = Search::new(candidates, by_set);
+    let mut search = SetSelection::new(candidates, by_set);
     cover.iter().for_each(|&set| search.add(set));
     // A third of the time is spent on the minimum of a few hundred numbers, which takes one vector
     // instruction for every eight.
@@ -38,7 +38,7 @@ pub(super) fn improve(
 /// A selection of sets, and the effect of adding or removing one.
 ///
 /// Weights and numbers of steps fit 32 bits, since each costs the visit of an edge.
-struct Search<'a> {
+struct SetSelection<'a> {
     candidates: &'a Lists,
     by_set: &'a Lists,
     /// For each chosen set, the newest last: the weight of the items that only it serves, and in the lower
@@ -49,7 +49,7 @@ struct Search<'a> {
     added: Vec<u32>,
     /// For each chosen set, its place among the losses.
     place: Vec<u32>,
-    items: Vec<Item>,
+    items: Vec<SelectionItem>,
     /// Items that no chosen set serves.
     unserved: Vec<u32>,
     /// For each item, its weight while it is unserved, else 0.
@@ -62,7 +62,7 @@ struct Search<'a> {
     work: usize,
 }
 
-struct Item {
+struct SelectionItem {
     n_candidates: u32,
     /// Number of chosen sets that serve the item.
     n_serving: u32,
@@ -72,12 +72,12 @@ struct Item {
     weight: u32,
 }
 
-impl<'a> Search<'a> {
+impl<'a> SetSelection<'a> {
     fn new(candidates: &'a Lists, by_set: &'a Lists) -> Self {
         let (n_items, n_sets) = (candidates.n_rows() as u32, by_set.n_rows());
         let item = |item| {
             let n_candidates = candidates.row(item).len() as u32;
-            Item { n_candidates, n_serving: 0, serving: 0, weight: 1 }
+            SelectionItem { n_candidates, n_serving: 0, serving: 0, weight: 1 }
         };
         Self {
             candidates,

@@ -31,7 +31,7 @@ impl Core {
         let set_ids = (0..all.n_columns() as u32).collect();
         let mut core = Self { chosen: Vec::new(), candidates, by_set, set_ids };
         core.choose(&is_chosen);
-        let mut work = Work { left: MAX_WORK };
+        let mut work = StepBudget { left: MAX_WORK };
         loop {
             cancel.check()?;
             let size = core.size();
@@ -56,7 +56,7 @@ impl Core {
     }
 
     /// Drops every item that has all candidates of another.
-    fn drop_wider_items(&mut self, work: &mut Work, cancel: &Cancel) -> Result<(), Cancelled> {
+    fn drop_wider_items(&mut self, work: &mut StepBudget, cancel: &Cancel) -> Result<(), Cancelled> {
         let held = Containment::new(&self.candidates, &self.by_set);
         let mut narrow_first: Vec<usize> = (0..held.lens.len()).collect();
         narrow_first.sort_by_key(|&item| held.lens[item]);
@@ -71,7 +71,7 @@ impl Core {
     }
 
     /// Drops every set whose items are all served by another set; of equal sets, the first stays.
-    fn drop_dominated_sets(&mut self, work: &mut Work, cancel: &Cancel) -> Result<(), Cancelled> {
+    fn drop_dominated_sets(&mut self, work: &mut StepBudget, cancel: &Cancel) -> Result<(), Cancelled> {
         let held = Containment::new(&self.by_set, &self.candidates);
         let keep_set = |set: usize| {
             let beaten_by = |other: usize| held.lens[other] > held.lens[set] || other < set;
@@ -134,7 +134,7 @@ impl<'a> Containment<'a> {
     }
 
     /// The other rows that hold all columns of `row`; none if it is empty or the work is used up.
-    fn supersets(&self, row: usize, work: &mut Work) -> impl Iterator<Item = usize> + use<'_, 'a> {
+    fn supersets(&self, row: usize, work: &mut StepBudget) -> impl Iterator<Item = usize> + use<'_, 'a> {
         // They all hold the row's rarest column, so only the rows of that column are checked.
         let rarest = work.spend(self.lens[row]).then(|| {
             let columns = self.rows.row(row).columns();
@@ -152,11 +152,11 @@ impl<'a> Containment<'a> {
 }
 
 /// A budget of remaining steps.
-struct Work {
+struct StepBudget {
     left: usize,
 }
 
-impl Work {
+impl StepBudget {
     fn spend(&mut self, amount: u32) -> bool {
         let enough = amount as usize <= self.left;
         self.left = self.left.saturating_sub(amount as usize);

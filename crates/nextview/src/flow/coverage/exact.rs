@@ -27,13 +27,13 @@ pub(super) fn branch_and_bound(
 ) -> Result<Exact, Cancelled> {
     let value = values.value_of(known.iter().copied());
     let prices = &bound.prices;
-    let mut search = Search { values, prices, best: known, value, path: Vec::new(), work: 0, cancel };
+    let mut search = ExactSearch { values, prices, best: known, value, path: Vec::new(), work: 0, cancel };
     let candidates = search.candidates(n_sets, bound.value)?;
     let reached = search.explore(&Selection::new(values), &candidates, n_sets)?;
     Ok(Exact { sets: search.best, bound: reached.max(search.value).min(bound.value.max(search.value)) })
 }
 
-struct Search<'a> {
+struct ExactSearch<'a> {
     values: &'a SetValues,
     prices: &'a [f64],
     best: Vec<u32>,
@@ -44,7 +44,7 @@ struct Search<'a> {
     cancel: &'a Cancel,
 }
 
-impl Search<'_> {
+impl ExactSearch<'_> {
     /// The sets that a better selection than the known one may hold. A set that is not among the `n_sets` of
     /// largest earnings lowers the bound by the difference between the least of those and its own.
     fn candidates(&mut self, n_sets: usize, bound: f64) -> Result<Vec<u32>, Cancelled> {

@@ -5,7 +5,7 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 /// Result of the greedy selection.
-pub(super) struct Greedy {
+pub(super) struct GreedyCoverage {
     /// The sets in the order of selection; fewer than requested if no other gains anything.
     pub sets: Vec<u32>,
     /// Upper bound on the value of any selection of the requested number of sets.
@@ -20,11 +20,11 @@ pub(super) struct Greedy {
 /// Since gains only fall, the value of the best choice is at most the value of the sets taken so far plus the
 /// `n_sets` largest gains; the smallest such sum is the bound. For the same reason, most gains need not be
 /// computed again (Minoux 1978).
-pub(super) fn greedy(values: &SetValues, n_sets: usize, cancel: &Cancel) -> Result<Greedy, Cancelled> {
+pub(super) fn greedy(values: &SetValues, n_sets: usize, cancel: &Cancel) -> Result<GreedyCoverage, Cancelled> {
     let mut selection = Selection::new(values);
     let mut offers = first_offers(&selection, cancel)?;
     let (mut value, mut sets) = (0.0, Vec::new());
-    let mut best = Greedy { sets: Vec::new(), bound: f64::INFINITY, served: Vec::new() };
+    let mut best = GreedyCoverage { sets: Vec::new(), bound: f64::INFINITY, served: Vec::new() };
     loop {
         let largest = largest_offers(&mut offers, &selection, n_sets, sets.len(), cancel)?;
         let bound = value + largest.iter().map(|offer| offer.gain).sum::<f64>();
@@ -32,7 +32,7 @@ pub(super) fn greedy(values: &SetValues, n_sets: usize, cancel: &Cancel) -> Resu
             (best.bound, best.served) = (bound, selection.served().to_vec());
         }
         let Some(first) = largest.first().filter(|first| first.gain > 0.0 && sets.len() < n_sets) else {
-            return Ok(Greedy { sets, ..best });
+            return Ok(GreedyCoverage { sets, ..best });
         };
         value += selection.add(first.set);
         sets.push(first.set);

@@ -13,7 +13,7 @@ pub use set_values::{Selection, SetValues};
 use crate::{Cancel, Cancelled};
 use bound::Bound;
 use exact::{Exact, branch_and_bound};
-use greedy::{Greedy, greedy};
+use greedy::{GreedyCoverage, greedy};
 
 /// A few sets with a large joint value.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,7 +67,7 @@ fn greedy_with_swaps(
     n_sets: usize,
     cancel: &Cancel,
 ) -> Result<(Vec<u32>, Bound), Cancelled> {
-    let Greedy { sets, bound, served } = greedy(values, n_sets, cancel)?;
+    let GreedyCoverage { sets, bound, served } = greedy(values, n_sets, cancel)?;
     let prices = served.into_iter().map(f64::from).collect();
     Ok((swap::swap(values, sets, cancel)?, Bound { value: bound, prices }))
 }

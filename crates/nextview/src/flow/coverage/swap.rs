@@ -14,7 +14,7 @@ const LEAST_GAIN: f64 = 1e-9;
 /// All pairs are rated in one pass over the sets: the fast interchange of Whitaker (1983).
 pub(super) fn swap(values: &SetValues, mut chosen: Vec<u32>, cancel: &Cancel) -> Result<Vec<u32>, Cancelled> {
     for _ in 0..MAX_WORK / values.n_pairs().max(1) {
-        let service = Service::of(values, &chosen);
+        let service = SetService::of(values, &chosen);
         let sets = (0..values.n_sets() as u32).into_par_iter().filter(|set| !chosen.contains(set));
         let swaps = sets.map(|set| cancel.check().map(|()| service.best_swap(values, set)));
         let swaps: Vec<Option<Swap>> = swaps.collect::<Result<_, Cancelled>>()?;
@@ -36,7 +36,7 @@ struct Swap {
 }
 
 /// How well the chosen sets serve the items.
-struct Service {
+struct SetService {
     /// By item, the largest value in a chosen set, and the place of that set among the chosen.
     first: Vec<(f32, u32)>,
     /// By item, the largest value in the other chosen sets.
@@ -45,7 +45,7 @@ struct Service {
     loss: Vec<f64>,
 }
 
-impl Service {
+impl SetService {
     fn of(values: &SetValues, chosen: &[u32]) -> Self {
         let n_items = values.n_items();
         let (mut first, mut second) = (vec![(0.0, 0); n_items], vec![0.0; n_items]);

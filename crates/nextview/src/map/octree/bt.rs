@@ -1,7 +1,7 @@
 use super::header::{Encoding, write_header};
 use super::node_reader::NodeReader;
 use super::preorder::DEPTH;
-use super::tree::{Node, Octree};
+use super::tree::{StoredNode, Octree};
 use crate::Error;
 use crate::map::{LogOdds, SensorModel};
 use std::io::{BufWriter, Read, Write};
@@ -62,7 +62,7 @@ fn read_inner(nodes: &mut NodeReader<impl Read>, depth: u8, clamps: &Clamps) -> 
     }
     // Only the root keeps this value: OctoMap never updates it from its children.
     let start = if depth == 0 { clamps.occupied } else { f32::MIN };
-    let idx = nodes.push(Node::leaf(start))?;
+    let idx = nodes.push(StoredNode::leaf(start))?;
     for octant in 0..8 {
         let log_odds = match word >> (2 * octant) & 3 {
             UNKNOWN => continue,
@@ -82,7 +82,7 @@ fn read_inner(nodes: &mut NodeReader<impl Read>, depth: u8, clamps: &Clamps) -> 
 }
 
 fn read_leaf(nodes: &mut NodeReader<impl Read>, log_odds: f32) -> Result<f32, Error> {
-    nodes.push(Node::leaf(log_odds))?;
+    nodes.push(StoredNode::leaf(log_odds))?;
     Ok(log_odds)
 }
 
@@ -97,17 +97,17 @@ struct Words {
 /// Pruning proceeds from depth to depth, up to the first at which nothing merges. Leaves are therefore first
 /// merged at every depth, and if that was too much, again only at those below the first without a merge.
 fn words(tree: &Octree) -> Words {
-    let mut all = Merging::of(tree, 1);
+    let mut all = WordTree::of(tree, 1);
     if let Some(first_without) = (1..DEPTH).rev().find(|&depth| all.n_merged[usize::from(depth)] == 0)
         && all.n_merged[..usize::from(first_without)].iter().any(|&n| n > 0)
     {
-        all = Merging::of(tree, first_without + 1);
+        all = WordTree::of(tree, first_without + 1);
     }
     Words { n_nodes: tree.n_nodes() - 8 * all.n_merged.iter().sum::<usize>(), words: all.words }
 }
 
 /// Words being built while the nodes of a tree are visited in preorder.
-struct Merging<'a> {
+struct WordTree<'a> {
     tree: &'a Octree,
     next: usize,
     /// The least depth of a node whose leaves are merged.
@@ -117,7 +117,7 @@ struct Merging<'a> {
     n_merged: [usize; DEPTH as usize],
 }
 
-impl<'a> Merging<'a> {
+impl<'a> WordTree<'a> {
     fn of(tree: &'a Octree, least_depth: u8) -> Self {
         let mut merging =
             Self { tree, next: 0, least_depth, words: Vec::new(), n_merged: Default::default() };

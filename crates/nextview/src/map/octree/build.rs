@@ -1,5 +1,5 @@
 use super::preorder::{DEPTH, KEY_OFFSET};
-use super::tree::{Node, Octree, TreeKind};
+use super::tree::{StoredNode, Octree, TreeKind};
 use crate::Error;
 use crate::geometry::{Lattice, VoxelKey, local_origin};
 use glam::IVec3;
@@ -94,7 +94,7 @@ fn from_sorted(voxel_size: f64, voxels: &[(u64, f32)]) -> Octree {
             if let Some(&parent) = path.last() {
                 tree.add_child(parent, octant(code, path.len()));
             }
-            path.push(tree.push(Node::leaf(log_odds)));
+            path.push(tree.push(StoredNode::leaf(log_odds)));
         }
         previous = Some(code);
     }

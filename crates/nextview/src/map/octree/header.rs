@@ -1,4 +1,4 @@
-use super::source::Source;
+use super::source::TrackedFile;
 use super::tree::{Octree, TreeKind};
 use crate::Error;
 use crate::geometry::{Lattice, VoxelKey};
@@ -26,7 +26,7 @@ impl Encoding {
 
 /// The text in front of the nodes.
 #[derive(Debug)]
-pub(super) struct Header {
+pub(super) struct MapHeader {
     pub encoding: Encoding,
     pub kind: TreeKind,
     pub voxel_size: f64,
@@ -36,11 +36,11 @@ pub(super) struct Header {
     pub n_nodes: u64,
 }
 
-impl Header {
-    pub fn read(source: &mut Source<impl Read>) -> Result<Self, Error> {
+impl MapHeader {
+    pub fn read(source: &mut TrackedFile<impl Read>) -> Result<Self, Error> {
         let first = source.line()?;
         let encoding = read_magic(&first).map_err(|problem| source.error_in_line(problem))?;
-        let mut fields = Fields::default();
+        let mut fields = HeaderFields::default();
         loop {
             let line = source.line()?;
             if line == "data" {
@@ -101,14 +101,14 @@ fn read_magic(line: &str) -> Result<Encoding, String> {
 }
 
 #[derive(Default)]
-struct Fields {
+struct HeaderFields {
     id: Option<TreeKind>,
     size: Option<u64>,
     res: Option<f64>,
     offset_m: Option<DVec3>,
 }
 
-impl Fields {
+impl HeaderFields {
     fn take_line(&mut self, line: &str) -> Result<(), String> {
         if let Some(numbers) = line.strip_prefix("# ").and_then(|line| line.strip_prefix(OFFSET)) {
             self.offset_m = Some(parse_offset(numbers)?);
@@ -133,10 +133,10 @@ impl Fields {
         is_first.then_some(()).ok_or_else(|| format!("the header gives {name} twice, expected it once"))
     }
 
-    fn complete(self, encoding: Encoding) -> Result<Header, String> {
+    fn complete(self, encoding: Encoding) -> Result<MapHeader, String> {
         let missing = |name| move || format!("the header ends here without the field {name}");
         let voxel_size = self.res.ok_or_else(missing("res"))?;
-        Ok(Header {
+        Ok(MapHeader {
             encoding,
             kind: self.id.ok_or_else(missing("id"))?,
             n_nodes: self.size.ok_or_else(missing("size"))?,
@@ -188,9 +188,9 @@ fn start_of(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn read(fields: &str) -> Result<Header, String> {
+    fn read(fields: &str) -> Result<MapHeader, String> {
         let text = format!("# Octomap OcTree file\n{fields}");
-        Header::read(&mut Source::new(text.as_bytes())).map_err(|e| e.to_string())
+        MapHeader::read(&mut TrackedFile::new(text.as_bytes())).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn names_both_formats_if_the_first_line_is_neither() {
-        let problem = Header::read(&mut Source::new(&b"ply\n"[..])).unwrap_err().to_string();
+        let problem = MapHeader::read(&mut TrackedFile::new(&b"ply\n"[..])).unwrap_err().to_string();
         assert_eq!(
             problem,
             "line 1: found \"ply\", expected '# Octomap OcTree file' or '# Octomap OcTree binary file'"

@@ -1,12 +1,12 @@
-use super::header::Header;
-use super::source::{Source, error_at};
-use super::tree::{Node, Octree};
+use super::header::MapHeader;
+use super::source::{TrackedFile, error_at};
+use super::tree::{StoredNode, Octree};
 use crate::Error;
 use std::io::Read;
 
 /// A tree that grows while its file is read.
 pub(super) struct NodeReader<R> {
-    source: Source<R>,
+    source: TrackedFile<R>,
     tree: Octree,
     n_expected: u64,
     /// Start of the last record read.
@@ -14,7 +14,7 @@ pub(super) struct NodeReader<R> {
 }
 
 impl<R: Read> NodeReader<R> {
-    pub fn new(source: Source<R>, header: &Header) -> Self {
+    pub fn new(source: TrackedFile<R>, header: &MapHeader) -> Self {
         let position = source.position();
         let tree = Octree::new(header.kind, header.voxel_size).with_origin(header.origin);
         Self { source, tree, n_expected: header.n_nodes, position }
@@ -33,7 +33,7 @@ impl<R: Read> NodeReader<R> {
         Err(self.error(format!("the data ends after {} of {} nodes", self.tree.n_nodes(), self.n_expected)))
     }
 
-    pub fn push(&mut self, node: Node) -> Result<usize, Error> {
+    pub fn push(&mut self, node: StoredNode) -> Result<usize, Error> {
         if self.tree.n_nodes() as u64 == self.n_expected {
             return Err(self
                 .error(format!("the tree has more nodes than the size in its header, {}", self.n_expected)));

@@ -1,5 +1,5 @@
-use super::preorder::{Place, Preorder};
-use super::tree::{Leaf, Node, Octree, TreeKind};
+use super::preorder::{NodeCube, Preorder};
+use super::tree::{Leaf, StoredNode, Octree, TreeKind};
 
 impl Octree {
     /// Returns the leaves in preorder: octant by octant, x varying fastest, then y, then z.
@@ -36,9 +36,9 @@ impl<'a> Nodes<'a> {
 }
 
 impl Iterator for Nodes<'_> {
-    type Item = (Place, Node);
+    type Item = (NodeCube, StoredNode);
 
-    fn next(&mut self) -> Option<(Place, Node)> {
+    fn next(&mut self) -> Option<(NodeCube, StoredNode)> {
         if self.idx == self.tree.n_nodes() {
             return None;
         }

@@ -1,7 +1,7 @@
 use super::header::{Encoding, write_header};
 use super::node_reader::NodeReader;
 use super::preorder::{DEPTH, Preorder};
-use super::tree::{Node, Octree, TreeKind};
+use super::tree::{StoredNode, Octree, TreeKind};
 use crate::Error;
 use std::io::{BufWriter, Read, Write};
 
@@ -36,18 +36,18 @@ pub(super) fn read_nodes(nodes: &mut NodeReader<impl Read>) -> Result<(), Error>
     Ok(())
 }
 
-fn read_node(nodes: &mut NodeReader<impl Read>) -> Result<Node, Error> {
+fn read_node(nodes: &mut NodeReader<impl Read>) -> Result<StoredNode, Error> {
     let mut log_odds = [0; 4];
     nodes.fill(&mut log_odds)?;
     let log_odds = f32::from_le_bytes(log_odds);
     if !log_odds.is_finite() {
         return Err(nodes.error(format!("the log-odds are {log_odds}, expected a finite number")));
     }
-    let mut color = Node::WHITE;
+    let mut color = StoredNode::WHITE;
     if nodes.tree().kind() == TreeKind::ColorOcTree {
         nodes.fill(&mut color)?;
     }
     let mut child_mask = [0];
     nodes.fill(&mut child_mask)?;
-    Ok(Node { log_odds, color, child_mask: child_mask[0] })
+    Ok(StoredNode { log_odds, color, child_mask: child_mask[0] })
 }

@@ -1,5 +1,5 @@
 use super::preorder::DEPTH;
-use super::tree::{Node, Octree, TreeKind};
+use super::tree::{StoredNode, Octree, TreeKind};
 use crate::Error;
 use std::borrow::Cow;
 
@@ -68,24 +68,24 @@ impl Octree {
             && (first..first + 8).all(|i| self.node(i).child_mask == 0 && log_odds(i) == log_odds(first))
     }
 
-    fn merged_leaf(&self, first: usize) -> Node {
+    fn merged_leaf(&self, first: usize) -> StoredNode {
         let leaf = self.node(first);
-        if leaf.color == Node::WHITE {
+        if leaf.color == StoredNode::WHITE {
             return leaf;
         }
-        let colors = || (first..first + 8).map(|i| self.node(i).color).filter(|&c| c != Node::WHITE);
+        let colors = || (first..first + 8).map(|i| self.node(i).color).filter(|&c| c != StoredNode::WHITE);
         let sum = |channel: usize| colors().map(|c| u32::from(c[channel])).sum::<u32>();
         let n_colors = colors().count() as u32;
-        Node { color: [0, 1, 2].map(|channel| (sum(channel) / n_colors) as u8), ..leaf }
+        StoredNode { color: [0, 1, 2].map(|channel| (sum(channel) / n_colors) as u8), ..leaf }
     }
 
     /// Appends the full tree below a leaf at `depth`.
-    fn push_cube(&mut self, leaf: Node, depth: u8) {
+    fn push_cube(&mut self, leaf: StoredNode, depth: u8) {
         if depth == DEPTH {
             self.push(leaf);
             return;
         }
-        self.push(Node { child_mask: u8::MAX, ..leaf });
+        self.push(StoredNode { child_mask: u8::MAX, ..leaf });
         for _ in 0..8 {
             self.push_cube(leaf, depth + 1);
         }
@@ -111,11 +111,11 @@ mod tests {
     fn eight_leaves(depth: u8, colors: [[u8; 3]; 8]) -> Octree {
         let mut tree = Octree::new(TreeKind::ColorOcTree, 0.1);
         for _ in 0..depth {
-            tree.push(Node { child_mask: 1, ..Node::leaf(0.85) });
+            tree.push(StoredNode { child_mask: 1, ..StoredNode::leaf(0.85) });
         }
-        tree.push(Node { child_mask: u8::MAX, ..Node::leaf(0.85) });
+        tree.push(StoredNode { child_mask: u8::MAX, ..StoredNode::leaf(0.85) });
         for color in colors {
-            tree.push(Node { color, ..Node::leaf(0.85) });
+            tree.push(StoredNode { color, ..StoredNode::leaf(0.85) });
         }
         tree
     }
@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn averages_the_colors_that_are_set_unless_the_first_is_not() {
         let merged = |colors| eight_leaves(15, colors).pruned().leaves().next().unwrap().color.unwrap();
-        let (red, white) = ([255, 0, 0], Node::WHITE);
+        let (red, white) = ([255, 0, 0], StoredNode::WHITE);
         assert_eq!(merged([[7, 9, 11]; 8]), [7, 9, 11]);
         assert_eq!(merged([[1, 2, 3], [2, 4, 8], white, white, white, white, white, white]), [1, 3, 5]);
         assert_eq!(merged([white, red, red, red, red, red, red, red]), white);
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn refuses_to_expand_beyond_the_limit() {
         let mut tree = Octree::new(TreeKind::OcTree, 0.1);
-        tree.push(Node::leaf(0.0));
+        tree.push(StoredNode::leaf(0.0));
         let problem = tree.expanded(1_000_000).unwrap_err().to_string();
         assert_eq!(
             problem,

@@ -1,6 +1,6 @@
-use super::header::{Encoding, Header};
+use super::header::{Encoding, MapHeader};
 use super::node_reader::NodeReader;
-use super::source::Source;
+use super::source::TrackedFile;
 use super::tree::Octree;
 use super::{bt, ot};
 use crate::Error;
@@ -14,8 +14,8 @@ impl Octree {
     /// -2.00 and 3.51), inner nodes the highest of their children, and the root always 3.51, as in OctoMap.
     /// Memory grows with the data read, not with the header's claims.
     pub fn read(reader: impl Read) -> Result<Self, Error> {
-        let mut source = Source::new(reader);
-        let header = Header::read(&mut source)?;
+        let mut source = TrackedFile::new(reader);
+        let header = MapHeader::read(&mut source)?;
         let mut nodes = NodeReader::new(source, &header);
         match header.encoding {
             _ if header.n_nodes == 0 => {}

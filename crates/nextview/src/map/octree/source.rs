@@ -6,13 +6,13 @@ use std::io::{BufRead, BufReader, ErrorKind, Read};
 const MAX_LINE: u64 = 4096;
 
 /// A file read sequentially, with its position tracked for errors.
-pub(super) struct Source<R> {
+pub(super) struct TrackedFile<R> {
     reader: BufReader<R>,
     n_lines: usize,
     position: u64,
 }
 
-impl<R: Read> Source<R> {
+impl<R: Read> TrackedFile<R> {
     pub fn new(reader: R) -> Self {
         Self { reader: BufReader::new(reader), n_lines: 0, position: 0 }
     }

@@ -2,7 +2,7 @@
 
 use super::header::Encoding;
 use super::preorder::{DEPTH, Preorder};
-use super::tree::{Node, Octree, TreeKind};
+use super::tree::{StoredNode, Octree, TreeKind};
 use glam::IVec3;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
@@ -44,7 +44,7 @@ fn tree_of(kind: TreeKind, list: &[(u8, f32, u8)]) -> Octree {
         let &(mask, log_odds, gray) = list.next().unwrap_or(&(0, 0.5, 9));
         let child_mask = if place.depth == DEPTH { 0 } else { mask };
         preorder.descend(place, child_mask);
-        tree.push(Node { log_odds, color: [gray, 255, 255], child_mask });
+        tree.push(StoredNode { log_odds, color: [gray, 255, 255], child_mask });
     }
     tree
 }

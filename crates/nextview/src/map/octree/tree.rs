@@ -82,16 +82,16 @@ impl Octree {
         Self { kind, voxel_size, origin: VoxelKey::ZERO, log_odds, colors, child_masks }
     }
 
-    pub(super) fn node(&self, idx: usize) -> Node {
-        Node {
+    pub(super) fn node(&self, idx: usize) -> StoredNode {
+        StoredNode {
             log_odds: self.log_odds[idx],
-            color: self.colors.get(idx).copied().unwrap_or(Node::WHITE),
+            color: self.colors.get(idx).copied().unwrap_or(StoredNode::WHITE),
             child_mask: self.child_masks[idx],
         }
     }
 
     /// Appends a node in preorder and returns its index.
-    pub(super) fn push(&mut self, node: Node) -> usize {
+    pub(super) fn push(&mut self, node: StoredNode) -> usize {
         self.log_odds.push(node.log_odds);
         if self.kind == TreeKind::ColorOcTree {
             self.colors.push(node.color);
@@ -152,13 +152,13 @@ impl Leaf {
 
 /// One node as stored in files.
 #[derive(Clone, Copy)]
-pub(super) struct Node {
+pub(super) struct StoredNode {
     pub log_odds: f32,
     pub color: [u8; 3],
     pub child_mask: u8,
 }
 
-impl Node {
+impl StoredNode {
     /// OctoMap's colour of a node without a colour.
     pub const WHITE: [u8; 3] = [255; 3];
 

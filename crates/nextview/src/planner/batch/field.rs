@@ -5,7 +5,7 @@ use crate::{Cancel, Cancelled};
 use glam::DVec3;
 
 /// The sets from which a batch is chosen: one for each open view, in the same order.
-pub(super) struct Field<'a> {
+pub(super) struct BatchField<'a> {
     pub values: &'a SetValues,
     /// Value of all sets together.
     pub total: f64,
@@ -17,7 +17,7 @@ pub(super) struct Field<'a> {
     pub ball: KeepOut,
 }
 
-impl<'a> Field<'a> {
+impl<'a> BatchField<'a> {
     pub fn new(situation: &Situation<'_>, open: &[usize], values: &'a SetValues) -> Result<Self, Cancelled> {
         let mut all = Selection::new(values);
         for set in 0..values.n_sets() as u32 {

@@ -7,7 +7,7 @@ use super::{Choice, Itinerary, Leg, Plan, Situation, ViewPlanner};
 use crate::checked::{check_range, checked_when_read};
 use crate::flow::{Coverage, Selection, SetValues, best_coverage, good_coverage};
 use crate::{Cancel, Cancelled, Error};
-use field::Field;
+use field::BatchField;
 use serde::{Deserialize, Serialize};
 use trade_off::TradeOff;
 use value::values_of_views;
@@ -120,7 +120,7 @@ impl Batch {
         let others = situation.open_views().into_iter().filter(|&view| view != first);
         let views: Vec<usize> = std::iter::once(first).chain(others).collect();
         let values = values_of_views(situation, &views, self.config.ray_spacing)?;
-        let mut field = Field::new(situation, &views, &values)?;
+        let mut field = BatchField::new(situation, &views, &values)?;
         field.start = Some(field.positions[0]);
         let mut selection = Selection::new(&values);
         selection.add(0);
@@ -144,7 +144,7 @@ impl Batch {
         let cancel = situation.cancel();
         let open = situation.open_views();
         let values = values_of_views(situation, &open, self.config.ray_spacing)?;
-        let field = Field::new(situation, &open, &values)?;
+        let field = BatchField::new(situation, &open, &values)?;
         let free = self.without_regard_to_path(&field, cover, cancel)?;
         let tour = if self.config.theta > 0.0 {
             let BatchConfig { theta, n_views, .. } = self.config;
@@ -164,7 +164,7 @@ impl Batch {
     /// The views that together show most, up to the first that would add too little.
     fn without_regard_to_path(
         &self,
-        field: &Field<'_>,
+        field: &BatchField<'_>,
         cover: Cover,
         cancel: &Cancel,
     ) -> Result<Coverage, Cancelled> {
@@ -175,7 +175,7 @@ impl Batch {
         if n_views < all.sets.len() { cover(field.values, n_views, cancel) } else { Ok(all) }
     }
 
-    fn least_gain(&self, field: &Field<'_>) -> f64 {
+    fn least_gain(&self, field: &BatchField<'_>) -> f64 {
         self.config.least_share * field.total
     }
 }
@@ -198,7 +198,7 @@ impl ViewPlanner for Batch {
 }
 
 impl BatchPlan {
-    fn new(field: &Field<'_>, open: &[usize], tour: &[u32], bound: f64) -> Self {
+    fn new(field: &BatchField<'_>, open: &[usize], tour: &[u32], bound: f64) -> Self {
         let mut selection = Selection::new(field.values);
         Self {
             views: BatchView::along(tour, &mut selection, field, open),
@@ -214,7 +214,7 @@ impl BatchView {
     fn along(
         tour: &[u32],
         selection: &mut Selection<'_>,
-        field: &Field<'_>,
+        field: &BatchField<'_>,
         views: &[usize],
     ) -> Vec<BatchView> {
         let view = |&set: &u32| {

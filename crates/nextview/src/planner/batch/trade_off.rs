@@ -1,4 +1,4 @@
-use super::field::Field;
+use super::field::BatchField;
 use crate::flow::Selection;
 use crate::motion::detour;
 use crate::planner::utility::share;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// The score of a tour is (1 - theta) times its value relative to a reference tour, less theta times its
 /// length relative to that of the reference.
 pub(super) struct TradeOff<'a> {
-    field: &'a Field<'a>,
+    field: &'a BatchField<'a>,
     theta: f64,
     reference: Vec<u32>,
     value: f64,
@@ -41,7 +41,7 @@ impl<'a> TradeOff<'a> {
     /// Compares tours of up to `n_sets` sets with the tour through the sets of the reference, which must be
     /// in the order of their gains.
     pub fn new(
-        field: &'a Field<'a>,
+        field: &'a BatchField<'a>,
         theta: f64,
         reference: &[u32],
         n_sets: usize,
@@ -90,7 +90,7 @@ impl<'a> TradeOff<'a> {
     /// The set that adds most to the score where it costs least, the lowest number on ties; `None` if none
     /// adds anything. The first one is added even if it does not pay for its path.
     fn insertion(&self, tour: &[u32], cancel: &Cancel) -> Result<Option<Insertion>, Cancelled> {
-        let Field { values, positions, start, ball, .. } = self.field;
+        let BatchField { values, positions, start, ball, .. } = self.field;
         let (mut selection, route) = (Selection::new(values), self.field.route(tour));
         tour.iter().for_each(|&set| _ = selection.add(set));
         let rate = |set: u32| {

@@ -11,7 +11,7 @@ use crate::gain::LocalGain;
 use crate::visibility::{FreeSpace, RayCaster, ValueCaster};
 use crate::{Cancelled, Error};
 use serde::{Deserialize, Serialize};
-use survey::Survey;
+use survey::FlowSurvey;
 
 /// Parameters of [`MaxFlow`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,7 +80,7 @@ impl MaxFlow {
 
 impl ViewPlanner for MaxFlow {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
-        let Survey { local, best } = self.survey(situation)?;
+        let FlowSurvey { local, best } = self.survey(situation)?;
         let optimal_views = fewest_sets(best.candidates(), situation.cancel())?;
         let history = if self.config.uses_history { self.history.as_slice() } else { &[] };
         let past = history.iter().map(Vec::as_slice);
@@ -103,7 +103,7 @@ impl MaxFlow {
     }
 
     /// Eqs. (1) to (3).
-    fn survey(&self, situation: &Situation<'_>) -> Result<Survey, Cancelled> {
+    fn survey(&self, situation: &Situation<'_>) -> Result<FlowSurvey, Cancelled> {
         let (snapshot, cancel) = (situation.snapshot(), situation.cancel());
         let spacing = situation.in_snapshot_voxels(self.config.ray_spacing);
         let gain = LocalGain::new(snapshot, cancel)?;
@@ -112,7 +112,7 @@ impl MaxFlow {
             .within(situation.depth_range());
         cancel.check()?;
         let caster = ValueCaster::new(caster, snapshot, gain.weights());
-        Survey::new(situation, &caster, self.config.gamma > 0.0)
+        FlowSurvey::new(situation, &caster, self.config.gamma > 0.0)
     }
 
     /// The view of largest global gain, eqs. (6) and (7), less the cost of moving there, among those not

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Survey of the views of a situation.
-pub(super) struct Survey {
+pub(super) struct FlowSurvey {
     /// The local gain of every view, eq. (1); 0 for views not surveyed.
     pub local: Vec<f64>,
     /// For every item of the caster, the views with a ray of largest quality, which is the maximum flow of
@@ -19,7 +19,7 @@ pub(super) struct Survey {
 /// Number of views that a thread takes at a time: few, because their rays differ in number and length.
 const SHARE: usize = 16;
 
-impl Survey {
+impl FlowSurvey {
     /// Surveys all open views.
     pub fn new(
         situation: &Situation<'_>,
@@ -37,7 +37,7 @@ impl Survey {
         // About one part per thread: parts are large, and joining two is costly.
         let parts = (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).filter_map(|_| {
             let mut views = take();
-            let mut part = (!views.is_empty()).then(|| Part::new(n_items, n_views))?;
+            let mut part = (!views.is_empty()).then(|| SurveyPart::new(n_items, n_views))?;
             let mut paths = caster.paths();
             while !views.is_empty() {
                 for &view in views {
@@ -51,7 +51,7 @@ impl Survey {
             Some(Ok(part))
         });
         let all = parts.try_reduce_with(|a, b| a.join(b, cancel));
-        let all = all.unwrap_or_else(|| Ok(Part::new(n_items, n_views)))?;
+        let all = all.unwrap_or_else(|| Ok(SurveyPart::new(n_items, n_views)))?;
         let mut local = vec![0.0; n_views];
         all.local.into_iter().for_each(|(view, gain)| local[view] = gain);
         Ok(Self { local, best: all.best })
@@ -59,14 +59,14 @@ impl Survey {
 }
 
 /// Survey of some of the views.
-struct Part {
+struct SurveyPart {
     /// By view, in no order.
     local: Vec<(usize, f64)>,
     best: BestSets,
     solves_flow: bool,
 }
 
-impl Part {
+impl SurveyPart {
     fn new(n_items: usize, n_views: usize) -> Self {
         Self { local: Vec::new(), best: BestSets::new(n_items, n_views), solves_flow: n_items > 0 }
     }

@@ -1,4 +1,4 @@
-use super::scene::Scene;
+use super::setting::Setting;
 use crate::Cancelled;
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ const N_AROUND: usize = 24;
 /// follow if nothing were learned on the way. Each is the view expected to add most, of some that lie all
 /// around. Rays are `ray_spacing` voxels apart.
 pub(super) fn n_expected(
-    scene: &Scene<'_>,
+    scene: &Setting<'_>,
     chosen: usize,
     open: &[usize],
     ray_spacing: f64,
@@ -38,7 +38,7 @@ pub(super) fn n_expected(
 
 /// The chosen view, and open views whose directions from the middle of the box are far apart: each is as far
 /// as possible from those before it.
-fn spread(scene: &Scene<'_>, chosen: usize, open: &[usize]) -> Vec<usize> {
+fn spread(scene: &Setting<'_>, chosen: usize, open: &[usize]) -> Vec<usize> {
     let (lattice, block) = (scene.snapshot.lattice(), scene.snapshot.block());
     let center = lattice.bounds(&block).center();
     let toward = |view: usize| -> DVec3 {

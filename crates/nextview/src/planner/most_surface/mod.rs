@@ -1,6 +1,6 @@
 mod doubt;
 mod forecast;
-mod scene;
+mod setting;
 mod second_look;
 mod second_view;
 
@@ -12,7 +12,7 @@ use crate::prior::{SurfacePrior, coarse_enough};
 use crate::visibility::MeasuredParts;
 use crate::{Cancelled, Error};
 use doubt::Doubt;
-use scene::Scene;
+use setting::Setting;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of [`MostSurface`].
@@ -112,7 +112,7 @@ impl ViewPlanner for MostSurface {
             None => MeasuredParts::new(frames, &snapshot, cancel)?,
         };
         let measured: &MeasuredParts = self.measured.insert(measured);
-        let scene = Scene { situation, snapshot: &snapshot, measured, estimate: &estimate };
+        let scene = Setting { situation, snapshot: &snapshot, measured, estimate: &estimate };
         let open = situation.open_views();
         let ray_spacing = snapshot.block().dims().max_element() as f64 / self.config.rays_across;
         let first_pass = PASSES.iter().rposition(|(n_views, _)| *n_views >= open.len()).unwrap_or(0);
@@ -157,7 +157,7 @@ struct Rating {
 
 impl Rating {
     fn new(
-        scene: &Scene<'_>,
+        scene: &Setting<'_>,
         config: &MostSurfaceConfig,
         gains: Vec<(usize, f64)>,
     ) -> Result<Self, Cancelled> {

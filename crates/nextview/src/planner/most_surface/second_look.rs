@@ -3,7 +3,7 @@ use crate::gain::{BetterSurface, MoreLooks, SurerSurface, is_in_measured_voxels}
 use crate::geometry::Pose;
 use crate::map::{Occupancy, Snapshot};
 use crate::planner::Situation;
-use crate::sensor::SurfaceError;
+use crate::sensor::SurfaceNoise;
 use rayon::prelude::*;
 
 /// Value of a voxel that a second look brings to the goal, in voxels of new surface: unseen surface comes
@@ -66,7 +66,7 @@ fn unsure_surface<'a>(
 ) -> Result<Option<SurerSurface<'a>>, Cancelled> {
     let error = situation.surface_error();
     let has_goal = situation.goal().is_some() || situation.looks().is_some();
-    if has_goal || error == SurfaceError::default() {
+    if has_goal || error == SurfaceNoise::default() {
         return Ok(None);
     }
     let (intrinsics, range, frames) = (situation.intrinsics(), situation.depth_range(), situation.frames());

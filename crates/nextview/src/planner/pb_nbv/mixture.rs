@@ -23,7 +23,7 @@ const LEAST_VARIANCE: f64 = 0.25;
 /// from a start by k-means++ (Arthur & Vassilvitskii 2007) with a fixed seed.
 pub(super) fn clusters(points: &[DVec3], cancel: &Cancel) -> Result<Vec<Vec<usize>>, Cancelled> {
     let sizes = (1..=MOST_COMPONENTS.min(points.len())).into_par_iter();
-    let fits: Vec<Fit> = sizes.map(|n| Fit::new(points, n, cancel)).collect::<Result<_, Cancelled>>()?;
+    let fits: Vec<MixtureFit> = sizes.map(|n| MixtureFit::new(points, n, cancel)).collect::<Result<_, Cancelled>>()?;
     let best = fits.into_iter().reduce(|best, fit| if fit.bic() < best.bic() { fit } else { best });
     let mut clusters = vec![Vec::new(); MOST_COMPONENTS];
     for point in 0..points.len() {
@@ -35,7 +35,7 @@ pub(super) fn clusters(points: &[DVec3], cancel: &Cancel) -> Result<Vec<Vec<usiz
 }
 
 /// A mixture fitted to points.
-struct Fit {
+struct MixtureFit {
     components: Vec<Gaussian>,
     /// The shares of each component, point by point.
     shares: Vec<f64>,
@@ -51,7 +51,7 @@ struct Gaussian {
     log_peak: f64,
 }
 
-impl Fit {
+impl MixtureFit {
     fn new(points: &[DVec3], n_components: usize, cancel: &Cancel) -> Result<Self, Cancelled> {
         let shares = start(points, n_components);
         let mut fit = Self { components: Vec::new(), shares, log_likelihood: f64::NEG_INFINITY };
@@ -179,14 +179,14 @@ mod tests {
     #[test]
     fn likelihood_is_that_of_the_definition() {
         let points = blobs(&[DVec3::ZERO, DVec3::new(9.0, 4.0, 0.0)], 12);
-        let fit = Fit::new(&points, 2, &Cancel::default()).unwrap();
+        let fit = MixtureFit::new(&points, 2, &Cancel::default()).unwrap();
         let likelihood =
             |point: &DVec3| fit.components.iter().map(|g| g.log_density(*point).exp()).sum::<f64>();
         let expected: f64 = points.iter().map(|point| likelihood(point).ln()).sum();
         assert!((fit.log_likelihood - expected).abs() < 1e-9 * expected.abs());
         // One more maximisation, by the shares of the last expectation.
         let shares: Vec<Vec<f64>> = fit.shares.chunks(2).map(<[f64]>::to_vec).collect();
-        let again = Fit { components: Vec::new(), shares: fit.shares, log_likelihood: 0.0 };
+        let again = MixtureFit { components: Vec::new(), shares: fit.shares, log_likelihood: 0.0 };
         let components: Vec<Gaussian> = (0..2).map(|k| again.component(&points, k, 2)).collect();
         for (k, gaussian) in components.iter().enumerate() {
             let n: f64 = shares.iter().map(|share| share[k]).sum();

@@ -35,7 +35,7 @@ impl ViewPlanner for PbNbv {
         }
         let is_occupied = |&voxel: &usize| snapshot.occupancy()[voxel] == Occupancy::Occupied;
         let occupied: Vec<usize> = (0..snapshot.block().n_voxels()).filter(is_occupied).collect();
-        let scene = Scene {
+        let scene = Ellipsoids {
             frontier: ellipsoids(snapshot, &frontier, cancel)?,
             occupied: ellipsoids(snapshot, &occupied, cancel)?,
         };
@@ -55,12 +55,12 @@ impl ViewPlanner for PbNbv {
 }
 
 /// The ellipsoids that represent the map, in world coordinates.
-struct Scene {
+struct Ellipsoids {
     frontier: Vec<Ellipsoid>,
     occupied: Vec<Ellipsoid>,
 }
 
-impl Scene {
+impl Ellipsoids {
     /// The paper's F: pixels of frontier ellipsoids less pixels of occupied ones, halved with each step back
     /// in the order of depth.
     fn score(&self, world_from_camera: &Pose, intrinsics: &Intrinsics) -> f64 {
@@ -129,7 +129,7 @@ mod tests {
         let mut balls = |n: usize| -> Vec<Ellipsoid> {
             (0..n).map(|_| ball(random.in_cube() * 0.1, random.range(0.005, 0.03))).collect()
         };
-        let scene = Scene { frontier: balls(5), occupied: balls(4) };
+        let scene = Ellipsoids { frontier: balls(5), occupied: balls(4) };
         let camera = Intrinsics::d435i();
         for position in [DVec3::X, DVec3::new(-0.3, 0.3, 0.4), DVec3::new(0.0, 0.2, -0.35)] {
             let pose = look_at(position, DVec3::ZERO).unwrap();
@@ -149,7 +149,7 @@ mod tests {
     fn an_occupied_ellipsoid_behind_all_others_lowers_the_score() {
         let pose = look_at(DVec3::X * 0.5, DVec3::ZERO).unwrap();
         let scene =
-            |occupied: Vec<Ellipsoid>| Scene { frontier: vec![ball(DVec3::X * 0.05, 0.02)], occupied };
+            |occupied: Vec<Ellipsoid>| Ellipsoids { frontier: vec![ball(DVec3::X * 0.05, 0.02)], occupied };
         let score = |occupied| scene(occupied).score(&pose, &Intrinsics::d435i());
         assert!(score(vec![ball(DVec3::X * -0.1, 0.02)]) < score(Vec::new()));
     }

@@ -1,4 +1,4 @@
-use super::grid::Grid;
+use super::grid::PointGrid;
 use crate::geometry::{Aabb, Moments};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
@@ -7,20 +7,20 @@ use rayon::prelude::*;
 
 /// The measured points in the box, thinned, and the density of each.
 #[derive(Debug)]
-pub(super) struct Cloud {
+pub(super) struct DensityCloud {
     /// Relative to the lowest corner of the box, metres, in the order of frames and pixels.
     pub points: Vec<DVec3>,
     /// By point, the place of the camera that saw it first.
     cameras: Vec<DVec3>,
     /// Metres (the paper's r).
     radius: f64,
-    grid: Grid,
+    grid: PointGrid,
     bounds: Aabb,
 }
 
 /// Class of a point by the density around it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Class {
+pub(super) enum PointClass {
     /// Enough points lie around it.
     Core,
     /// Between core points and sparse ones.
@@ -35,7 +35,7 @@ const CORE_SHARE: f64 = 2.0 / 3.0;
 /// Minimum number of points, itself included, around a core point.
 const LEAST_NEIGHBORS: usize = 3;
 
-impl Cloud {
+impl DensityCloud {
     /// Collects the points of frames in a box, oldest first. A point at most `gap` metres from an earlier one
     /// is left out. Densities count points within `radius` metres, which must be at least the gap.
     pub fn new(
@@ -46,9 +46,9 @@ impl Cloud {
         cancel: &Cancel,
     ) -> Result<Self, Cancelled> {
         let local = Aabb { min: DVec3::ZERO, max: bounds.size() };
-        let (points, cameras, grid) = (Vec::new(), Vec::new(), Grid::new(radius));
+        let (points, cameras, grid) = (Vec::new(), Vec::new(), PointGrid::new(radius));
         let mut cloud = Self { points, cameras, radius, grid, bounds: local };
-        let mut close = Grid::new(gap);
+        let mut close = PointGrid::new(gap);
         for frame in frames {
             let camera = frame.world_from_camera().translation() - bounds.min;
             for row in 0..frame.image().height() {
@@ -68,7 +68,7 @@ impl Cloud {
     }
 
     /// The class of every point.
-    pub fn classes(&self, cancel: &Cancel) -> Result<Vec<Class>, Cancelled> {
+    pub fn classes(&self, cancel: &Cancel) -> Result<Vec<PointClass>, Cancelled> {
         let n_around = |point: &DVec3| cancel.check().map(|()| self.grid.within(*point, self.radius).count());
         let counts: Vec<usize> = self.points.par_iter().map(n_around).collect::<Result<_, Cancelled>>()?;
         let mut sorted = counts.clone();
@@ -78,7 +78,7 @@ impl Cloud {
         // All labels follow from the counts, so their order does not matter.
         let class = |(number, point): (usize, &DVec3)| {
             if counts[number] >= least {
-                return Class::Core;
+                return PointClass::Core;
             }
             let (mut near_core, mut near_sparse) = (false, false);
             for other in self.grid.within(*point, self.radius).filter(|&other| other != number as u32) {
@@ -86,7 +86,7 @@ impl Cloud {
                 near_core |= is_core;
                 near_sparse |= !is_core;
             }
-            if near_core && near_sparse { Class::Frontier } else { Class::Outlier }
+            if near_core && near_sparse { PointClass::Frontier } else { PointClass::Outlier }
         };
         cancel.check()?;
         Ok(self.points.par_iter().enumerate().map(class).collect())
@@ -153,8 +153,8 @@ pub(super) mod tests {
         directions.iter().map(frame).collect()
     }
 
-    fn cloud(directions: &[DVec3]) -> Cloud {
-        Cloud::new(&frames(directions), Aabb::cube(DVec3::ZERO, 0.08), GAP, RADIUS, &Cancel::default())
+    fn cloud(directions: &[DVec3]) -> DensityCloud {
+        DensityCloud::new(&frames(directions), Aabb::cube(DVec3::ZERO, 0.08), GAP, RADIUS, &Cancel::default())
             .unwrap()
     }
 
@@ -188,23 +188,23 @@ pub(super) mod tests {
             let mut others = (0..n).filter(|&b| b != a && near(a, b));
             let sparse = (0..n).any(|b| b != a && near(a, b) && !is_core(b));
             match is_core(a) {
-                true => Class::Core,
-                false if sparse && others.any(is_core) => Class::Frontier,
-                false => Class::Outlier,
+                true => PointClass::Core,
+                false if sparse && others.any(is_core) => PointClass::Frontier,
+                false => PointClass::Outlier,
             }
         };
         let classes = cloud.classes(&Cancel::default()).unwrap();
         assert_eq!(classes, (0..n).map(class).collect::<Vec<_>>());
-        assert!(classes.contains(&Class::Core) && classes.contains(&Class::Frontier));
+        assert!(classes.contains(&PointClass::Core) && classes.contains(&PointClass::Frontier));
     }
 
     #[test]
     fn the_frontier_of_a_ball_is_the_rim_of_what_was_seen() {
-        let classes = |cloud: &Cloud| cloud.classes(&Cancel::default()).unwrap();
+        let classes = |cloud: &DensityCloud| cloud.classes(&Cancel::default()).unwrap();
         let frontier = |directions: &[DVec3]| {
             let cloud = cloud(directions);
             let is_frontier =
-                |(point, class): (&DVec3, Class)| (class == Class::Frontier).then_some(*point - 0.08);
+                |(point, class): (&DVec3, PointClass)| (class == PointClass::Frontier).then_some(*point - 0.08);
             cloud.points.iter().zip(classes(&cloud)).filter_map(is_frontier).collect::<Vec<_>>()
         };
         assert_eq!(frontier(&ALL_AROUND), []);

@@ -3,13 +3,13 @@ use rustc_hash::FxHashMap;
 
 /// Numbered points in cubes, for range queries of at most the edge of a cube.
 #[derive(Debug)]
-pub(super) struct Grid {
+pub(super) struct PointGrid {
     /// Edge of a cube, metres.
     edge: f64,
     cubes: FxHashMap<IVec3, Vec<(u32, DVec3)>>,
 }
 
-impl Grid {
+impl PointGrid {
     pub fn new(edge: f64) -> Self {
         Self { edge, cubes: FxHashMap::default() }
     }
@@ -45,7 +45,7 @@ mod tests {
     fn finds_all_points_within_the_distance() {
         let mut random = Random::new(6, 0);
         let points: Vec<DVec3> = (0..500).map(|_| random.in_cube() * 0.1).collect();
-        let mut grid = Grid::new(0.03);
+        let mut grid = PointGrid::new(0.03);
         (0..).zip(&points).for_each(|(number, point)| grid.insert(number, *point));
         for radius in [0.0, 0.01, 0.03] {
             for center in &points {

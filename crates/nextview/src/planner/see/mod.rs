@@ -3,7 +3,7 @@ mod grid;
 
 use super::{Choice, Plan, Situation, ViewPlanner};
 use crate::{Cancelled, Error};
-use cloud::{Class, Cloud};
+use cloud::{PointClass, DensityCloud};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -49,7 +49,7 @@ const LEAST_DISTANCE: f64 = 0.001;
 impl ViewPlanner for See {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Plan, Error> {
         let Some(camera) = situation.camera_position() else { return Ok(Plan::default()) };
-        let scene = Scene::new(situation)?;
+        let scene = EdgeScene::new(situation)?;
         let edges = scene.edges(&self.targets, camera)?;
         let proposals = scene.proposals(&edges)?;
         let choice = scene.choose(&edges, &proposals, camera);
@@ -72,9 +72,9 @@ struct Proposal {
     sees: Vec<bool>,
 }
 
-struct Scene<'a> {
+struct EdgeScene<'a> {
     situation: &'a Situation<'a>,
-    cloud: Cloud,
+    cloud: DensityCloud,
     /// The origin of the points in the world.
     origin: DVec3,
     /// Metres.
@@ -82,12 +82,12 @@ struct Scene<'a> {
     open: Vec<usize>,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> EdgeScene<'a> {
     fn new(situation: &'a Situation<'a>) -> Result<Self, Cancelled> {
         let (lattice, block) = (situation.snapshot().lattice(), situation.snapshot().block());
         let (voxel_size, bounds) = (lattice.voxel_size(), lattice.bounds(&block));
         let (gap, radius) = (GAP * voxel_size, RADIUS * voxel_size);
-        let cloud = Cloud::new(situation.frames(), bounds, gap, radius, situation.cancel())?;
+        let cloud = DensityCloud::new(situation.frames(), bounds, gap, radius, situation.cancel())?;
         Ok(Self { situation, cloud, origin: bounds.min, voxel_size, open: situation.open_views() })
     }
 
@@ -107,7 +107,7 @@ impl<'a> Scene<'a> {
         let is_given_up =
             |point: DVec3| targets.iter().filter(is_near(point + self.origin)).count() >= MOST_VIEWS;
         let classes = self.cloud.classes(self.situation.cancel())?;
-        let frontier = (0..classes.len()).filter(|&number| classes[number] == Class::Frontier);
+        let frontier = (0..classes.len()).filter(|&number| classes[number] == PointClass::Frontier);
         let edge = |number: usize| {
             let point = self.cloud.points[number];
             let normal = (!is_given_up(point)).then(|| self.cloud.normal(number))??;

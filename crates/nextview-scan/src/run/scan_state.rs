@@ -1,4 +1,4 @@
-use super::stated::Stated;
+use super::scan_facts::ScanFacts;
 use crate::earlier_scan::EarlierScan;
 use crate::model::{Extent, cloud_positions};
 use crate::{
@@ -16,7 +16,7 @@ use nextview_robot::path::JointTrajectory;
 use std::borrow::Cow;
 
 /// A scan in its current state, finished or not.
-pub struct FinishedScan<'a> {
+pub struct ScanState<'a> {
     /// The session: its map, its frames in their mapped poses, its candidates.
     pub session: Session,
     /// The source of the frames; `None` if a user's camera pushed them.
@@ -27,7 +27,7 @@ pub struct FinishedScan<'a> {
     /// The scan before the object was turned.
     pub(crate) earlier: Option<EarlierScan>,
     /// What the configuration states about the frames.
-    pub(crate) stated: Stated,
+    pub(crate) stated: ScanFacts,
     /// By step, the requested view; `None` if its frame was not requested.
     pub(crate) requested: Vec<Option<NextView>>,
     /// The trajectory from the preceding view to each view.
@@ -63,7 +63,7 @@ pub enum Measured<'a> {
     Model(&'a FinalModel),
 }
 
-impl FinishedScan<'_> {
+impl ScanState<'_> {
     /// The scan of this session before its first view.
     pub(crate) fn new(session: Session) -> Self {
         Self {
@@ -72,7 +72,7 @@ impl FinishedScan<'_> {
             evaluator: None,
             journal: None,
             earlier: None,
-            stated: Stated::default(),
+            stated: ScanFacts::default(),
             requested: Vec::new(),
             trajectories: Vec::new(),
             joint_trajectories: Vec::new(),
@@ -83,8 +83,8 @@ impl FinishedScan<'_> {
     }
 
     /// Drops the source of the frames, and with it their colours and the truth.
-    pub fn without_source(self) -> FinishedScan<'static> {
-        FinishedScan { source: None, evaluator: None, ..self }
+    pub fn without_source(self) -> ScanState<'static> {
+        ScanState { source: None, evaluator: None, ..self }
     }
 
     /// The object's box in metres; `None` if no object was found.
@@ -378,8 +378,8 @@ mod tests {
         let views = ViewSpace::new(vec![pose]).unwrap();
         let mut session = Session::new(config, camera, views, Box::new(RandomViews { seed: 0 })).unwrap();
         session.observe(&Frame::new(image, camera, pose, 1.0).unwrap()).unwrap();
-        let stated = Stated { section, ..Stated::default() };
-        let scan = FinishedScan { stated, ..FinishedScan::new(session) };
+        let stated = ScanFacts { section, ..ScanFacts::default() };
+        let scan = ScanState { stated, ..ScanState::new(session) };
         scan.model(ModelConfig::default()).map(drop).unwrap_err()
     }
 

@@ -1,4 +1,4 @@
-use super::DepthError;
+use super::DepthNoise;
 use crate::Error;
 use crate::checked::{check_range, checked_when_read};
 use serde::{Deserialize, Serialize};
@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 /// for many pixels of one image. Default: none.
 ///
 /// ```
-/// use nextview::sensor::{DepthError, SurfaceError};
+/// use nextview::sensor::{DepthNoise, SurfaceNoise};
 ///
-/// let depth = DepthError { constant: 0.001, ..DepthError::default() };
-/// let error = SurfaceError { depth, correlated_share: 0.25, ..SurfaceError::default() };
+/// let depth = DepthNoise { constant: 0.001, ..DepthNoise::default() };
+/// let error = SurfaceNoise { depth, correlated_share: 0.25, ..SurfaceNoise::default() };
 /// let pixel = error.of_pixel(0.5, 1.0, 600.0);
 /// assert!((pixel.sqrt() - 0.001).abs() < 1e-12);
 /// // The mean of many neighbouring pixels still has what they share: half of the standard deviation.
@@ -19,9 +19,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
-pub struct SurfaceError {
+pub struct SurfaceNoise {
     /// Random error of the depth.
-    pub depth: DepthError,
+    pub depth: DepthNoise,
     /// Share of its variance that neighbouring pixels of an image have in common, 0..=1. Default 0.
     pub correlated_share: f64,
     /// Unit to which depths are rounded, metres; 0 does not round. Default 0.
@@ -33,17 +33,17 @@ pub struct SurfaceError {
     pub lateral_sigma: f64,
 }
 
-checked_when_read!(SurfaceError);
+checked_when_read!(SurfaceNoise);
 
 /// Flatter angles than this cosine count as this one: pixels there are not trusted.
 const LEAST_COSINE: f64 = 0.2;
 
-impl SurfaceError {
+impl SurfaceNoise {
     /// Returns the error of an unknown camera: that of a first Kinect, 1.4 mm at 1 m and growing with the
     /// square of the depth (Khoshelham & Elberink, Sensors 2012), four fifths of it shared by neighbouring
     /// pixels, plus 1 mm for calibration and poses.
     pub fn of_unknown_camera() -> Self {
-        let depth = DepthError { constant: 1e-3, quadratic: 1.425e-3, ..DepthError::default() };
+        let depth = DepthNoise { constant: 1e-3, quadratic: 1.425e-3, ..DepthNoise::default() };
         Self { depth, correlated_share: 0.8, ..Self::default() }
     }
 
@@ -91,10 +91,10 @@ mod tests {
 
     #[test]
     fn a_slope_shortens_the_depth_error_and_lets_the_lateral_one_in() {
-        let depth = DepthError { constant: 0.001, ..DepthError::default() };
-        let error = SurfaceError { depth, ..SurfaceError::default() };
+        let depth = DepthNoise { constant: 0.001, ..DepthNoise::default() };
+        let error = SurfaceNoise { depth, ..SurfaceNoise::default() };
         assert!((error.of_pixel(1.0, 0.5, 500.0).sqrt() - 0.0005).abs() < 1e-12);
-        let lateral = SurfaceError { lateral_sigma: 1.0, ..SurfaceError::default() };
+        let lateral = SurfaceNoise { lateral_sigma: 1.0, ..SurfaceNoise::default() };
         assert_eq!(lateral.of_pixel(1.0, 1.0, 500.0), 0.0);
         // At 45 degrees, 2 mm sideways are 2 mm deeper, and 1.41 mm along the normal.
         let at_45 = lateral.of_pixel(1.0, 0.5_f64.sqrt(), 500.0).sqrt();
@@ -103,12 +103,12 @@ mod tests {
 
     #[test]
     fn values_out_of_range_are_named() {
-        let none = SurfaceError::default();
+        let none = SurfaceNoise::default();
         assert!(none.check().is_ok());
         for (error, name) in [
-            (SurfaceError { correlated_share: 1.1, ..none }, "correlated_share is 1.1"),
-            (SurfaceError { depth_unit: -1.0, ..none }, "depth_unit_m is -1"),
-            (SurfaceError { lateral_sigma: f64::NAN, ..none }, "lateral_sigma_px is NaN"),
+            (SurfaceNoise { correlated_share: 1.1, ..none }, "correlated_share is 1.1"),
+            (SurfaceNoise { depth_unit: -1.0, ..none }, "depth_unit_m is -1"),
+            (SurfaceNoise { lateral_sigma: f64::NAN, ..none }, "lateral_sigma_px is NaN"),
         ] {
             assert!(error.check().unwrap_err().to_string().starts_with(name));
         }

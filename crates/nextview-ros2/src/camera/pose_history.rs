@@ -11,14 +11,14 @@ const HISTORY: f64 = 10.0;
 /// The camera's frame for the topic of poses.
 const CAMERA: &str = "the camera";
 
-pub struct Whereabouts {
+pub struct PoseHistory {
     tree: TransformTree,
     world: String,
     /// Whether poses come from transforms to the images' frame, not from the topic of poses.
     from_transforms: bool,
 }
 
-impl Whereabouts {
+impl PoseHistory {
     pub fn new(world: &str, from_transforms: bool) -> Self {
         Self { tree: TransformTree::new(HISTORY), world: world.to_owned(), from_transforms }
     }

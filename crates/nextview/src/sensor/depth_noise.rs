@@ -12,17 +12,17 @@ use serde::{Deserialize, Serialize};
 /// share, are not included.
 ///
 /// ```
-/// use nextview::sensor::DepthError;
+/// use nextview::sensor::DepthNoise;
 ///
 /// // A stereo camera: 0.08 pixels of disparity, a focal length of 424 pixels, a baseline of 50 mm.
-/// let error = DepthError::of_disparity(0.08, 424.0, 0.05);
+/// let error = DepthNoise::of_disparity(0.08, 424.0, 0.05);
 /// assert!((error.sigma(0.5) - 0.000_943).abs() < 1e-6);
 /// assert_eq!(error.sigma(1.0), 4.0 * error.sigma(0.5));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
-pub struct DepthError {
+pub struct DepthNoise {
     /// Error at depth 0, metres, 0 or more. Default 0.
     #[serde(rename = "constant_m")]
     pub constant: f64,
@@ -33,9 +33,9 @@ pub struct DepthError {
     pub quadratic: f64,
 }
 
-checked_when_read!(DepthError);
+checked_when_read!(DepthNoise);
 
-impl DepthError {
+impl DepthNoise {
     /// Returns the error of triangulation, `z^2 sigma_d / (f b)`, from the standard deviation of the
     /// disparity, pixels; the focal length of the matched images, pixels, above 0; and the baseline, metres,
     /// above 0.
@@ -67,19 +67,19 @@ mod tests {
 
     #[test]
     fn the_terms_add_up() {
-        let error = DepthError { constant: 0.001, linear: 0.01, quadratic: 0.1 };
+        let error = DepthNoise { constant: 0.001, linear: 0.01, quadratic: 0.1 };
         assert!((error.sigma(2.0) - 0.421).abs() < 1e-15);
-        assert_eq!(DepthError::default().sigma(3.0), 0.0);
+        assert_eq!(DepthNoise::default().sigma(3.0), 0.0);
     }
 
     #[test]
     fn terms_out_of_range_are_named() {
-        let none = DepthError::default();
+        let none = DepthNoise::default();
         assert!(none.check().is_ok());
         for (error, expected) in [
-            (DepthError { constant: -1.0, ..none }, "constant_m is -1, expected 0 or a positive number of"),
-            (DepthError { linear: f64::NAN, ..none }, "linear is NaN"),
-            (DepthError { quadratic: f64::INFINITY, ..none }, "quadratic_per_m is inf"),
+            (DepthNoise { constant: -1.0, ..none }, "constant_m is -1, expected 0 or a positive number of"),
+            (DepthNoise { linear: f64::NAN, ..none }, "linear is NaN"),
+            (DepthNoise { quadratic: f64::INFINITY, ..none }, "quadratic_per_m is inf"),
         ] {
             let message = error.check().unwrap_err().to_string();
             assert!(message.starts_with(expected), "{message}");

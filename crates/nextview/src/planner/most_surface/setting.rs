@@ -7,7 +7,7 @@ use crate::visibility::MeasuredParts;
 use rayon::prelude::*;
 
 /// The setting in which views are compared.
-pub(super) struct Scene<'a> {
+pub(super) struct Setting<'a> {
     pub situation: &'a Situation<'a>,
     pub snapshot: &'a Snapshot,
     pub measured: &'a MeasuredParts,
@@ -15,18 +15,18 @@ pub(super) struct Scene<'a> {
 }
 
 /// Survey of some views.
-pub(super) struct Survey {
+pub(super) struct SurfaceSurvey {
     /// Views with their expected gains, by increasing number.
     pub gains: Vec<(usize, f64)>,
     /// By voxel of the estimate, the largest probability that a view shows it.
     pub shown: Vec<f32>,
 }
 
-impl Scene<'_> {
+impl Setting<'_> {
     /// Surveys these views with rays `ray_spacing` voxels apart.
-    pub fn survey(&self, views: &[usize], ray_spacing: f64) -> Result<Survey, Cancelled> {
+    pub fn survey(&self, views: &[usize], ray_spacing: f64) -> Result<SurfaceSurvey, Cancelled> {
         let gain = self.gain(ray_spacing);
-        let nothing = || Survey { gains: Vec::new(), shown: vec![0.0; self.estimate.len()] };
+        let nothing = || SurfaceSurvey { gains: Vec::new(), shown: vec![0.0; self.estimate.len()] };
         let parts = views.par_iter().try_fold(
             || (nothing(), gain.evaluator()),
             |(mut survey, mut evaluator), &view| {
@@ -62,7 +62,7 @@ impl Scene<'_> {
     }
 }
 
-impl Survey {
+impl SurfaceSurvey {
     fn add(&mut self, view: usize, evaluator: &mut ViewEvaluator<'_>, situation: &Situation<'_>) {
         let mut gain = 0.0;
         evaluator.shown(&situation.views().pose(view), |item, p| {

@@ -3,7 +3,7 @@ use nextview_recording::ReadOptions;
 
 /// What a configuration states about the frames and their content: advice must not repeat it.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Stated {
+pub(crate) struct ScanFacts {
     /// Options for reading recorded frames; `None` for other frames.
     pub read: Option<ReadOptions>,
     /// The section that can state the place of object and table; `None` for a simulation.
@@ -12,7 +12,7 @@ pub(crate) struct Stated {
     pub has_table: bool,
 }
 
-impl Stated {
+impl ScanFacts {
     /// What this configuration states.
     pub fn of(config: &ScanConfig) -> Self {
         let (section, height) = match &config.source {
