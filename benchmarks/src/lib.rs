@@ -17,13 +17,16 @@ pub mod plain_files;
 pub mod stage;
 pub mod workload;
 
+/// A result of a program, for people to read: its error states place and cause.
+pub type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
+
 /// Returns whether the variable QUICK is set: programs then only show that they run, and measure nothing.
 pub fn is_quick() -> bool {
     std::env::var_os("QUICK").is_some()
 }
 
 /// Returns the peak memory of this process, MB (Linux).
-pub fn peak_memory_mb() -> Result<f64, Box<dyn std::error::Error>> {
+pub fn peak_memory_mb() -> Outcome<f64> {
     let status = std::fs::read_to_string("/proc/self/status")?;
     let line =
         status.lines().find(|line| line.starts_with("VmHWM")).ok_or("no VmHWM in /proc/self/status")?;

@@ -98,8 +98,9 @@ impl Panel {
         for (i, (unit, color, dash, value)) in
             [("ms", "#0060a0", "", ms), ("MB", "#b04000", "5 3", |point| point.mb)].into_iter().enumerate()
         {
-            let place =
-                |point: &Measurement| format!("{:.1},{:.1}", x.place(point.size), height - y.place(value(point)));
+            let place = |point: &Measurement| {
+                format!("{:.1},{:.1}", x.place(point.size), height - y.place(value(point)))
+            };
             let places: Vec<String> = self.points.iter().map(place).collect();
             // Curves rise to the right, which leaves the upper left corner for their names.
             let name_y = 18.0 + 16.0 * i as f64;

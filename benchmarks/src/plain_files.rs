@@ -10,15 +10,13 @@
 //! | `known.f32`, `points.f32`, `motion.f64` | points x y z and normals x y z to [align](crate::alignment): where the surface is known, those of another image where they belong, and the motion that takes these off |
 //! | `network_{small,large}.bin` | see [`RayNetwork`](crate::network::RayNetwork) |
 
+use crate::Outcome;
 use glam::{DMat3, DQuat, DVec3};
 use nextview::geometry::Pose;
 use nextview::registration::SurfacePoint;
 use nextview::sensor::{Depth, DepthImage};
 use nextview_sim::mesh::TriangleMesh;
-use std::error::Error;
 use std::path::Path;
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
 
 /// Writes a mesh.
 ///

@@ -4,18 +4,18 @@
 
 use nextview_benchmarks::authors::Slips;
 use nextview_benchmarks::authors::map::Knowledge;
-use nextview_benchmarks::authors::recording::{N_SCANS, Recording};
+use nextview_benchmarks::authors::recording::{N_SCANS, RecordedRun};
 use nextview_benchmarks::authors::reference::{CURVES, FIRST_PLAN, FIXED_ORDER, ORDER_LIKE_FIXED};
-use nextview_benchmarks::authors::run::{Choice, Scene, Step};
+use nextview_benchmarks::authors::run::{ChoiceRule, ScannedObject, StepResult};
 use nextview_checks::data;
 
 /// The recorded run; none if the reference data is not there.
-fn scene(test: &str) -> Option<Scene> {
+fn scene(test: &str) -> Option<ScannedObject> {
     let folder = data(test, "authors")?;
-    Some(Scene::new(Recording::read(&folder).unwrap()).unwrap())
+    Some(ScannedObject::new(RecordedRun::read(&folder).unwrap()).unwrap())
 }
 
-fn largest_difference(steps: &[Step], curve: &[f64; N_SCANS]) -> f64 {
+fn largest_difference(steps: &[StepResult], curve: &[f64; N_SCANS]) -> f64 {
     assert_eq!(steps.len(), N_SCANS);
     steps.iter().zip(curve).map(|(step, c)| (step.coverage - c).abs()).fold(0.0, f64::max)
 }
@@ -24,7 +24,7 @@ fn largest_difference(steps: &[Step], curve: &[f64; N_SCANS]) -> f64 {
 #[test]
 fn recorded_views_give_the_recorded_maps() {
     let Some(scene) = scene("recorded_views_give_the_recorded_maps") else { return };
-    let steps = scene.run(Slips::AUTHORS_CODE, Choice::Recorded).unwrap();
+    let steps = scene.run(Slips::AUTHORS_CODE, ChoiceRule::Recorded).unwrap();
     for (step, recorded) in steps.iter().zip(&scene.recording.maps) {
         let n_different = step.log_odds.iter().zip(recorded).filter(|(a, b)| a != b).count();
         let [ours, theirs] =
@@ -41,7 +41,7 @@ fn recorded_views_give_the_recorded_maps() {
 #[test]
 fn a_fitted_order_gives_the_curve_of_their_program() {
     let Some(scene) = scene("a_fitted_order_gives_the_curve_of_their_program") else { return };
-    let steps = scene.run(Slips::AUTHORS_CODE, Choice::max_flow(ORDER_LIKE_FIXED)).unwrap();
+    let steps = scene.run(Slips::AUTHORS_CODE, ChoiceRule::max_flow(ORDER_LIKE_FIXED)).unwrap();
     let difference = largest_difference(&steps, &FIXED_ORDER);
     println!("largest difference {difference:.4}");
     assert!(difference <= 0.02);

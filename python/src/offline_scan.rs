@@ -8,8 +8,8 @@ use crate::{model, results, values};
 use nextview::Cancel;
 use nextview::map::Snapshot;
 use nextview_scan::{
-    RunOptions, Fault, Faults, FinalModel, FrameSource, Measured, RecordedScan, ScanConfig, ScanRecord, ScanRun,
-    SimulatedObject, Simulation, SourceConfig, Truth,
+    Fault, Faults, FinalModel, FrameSource, Measured, RecordedScan, RunOptions, ScanConfig, ScanRecord,
+    ScanRun, SimulatedObject, Simulation, SourceConfig, Truth,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -139,7 +139,8 @@ fn driven(
     cancel: &Cancel,
     listener: &StepListener,
 ) -> Result<ScanOutcome, Faults> {
-    let mut run = ScanRun::begin(source, config, RunOptions { cancel: cancel.clone(), ..RunOptions::default() })?;
+    let mut run =
+        ScanRun::begin(source, config, RunOptions { cancel: cancel.clone(), ..RunOptions::default() })?;
     let reason = run.drive(|step| listener.call(step))?;
     cancel.check()?;
     let scan = run.finish(Some(reason));

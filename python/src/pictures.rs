@@ -9,7 +9,7 @@ use nextview::map::{Occupancy, Snapshot};
 use nextview::planner::{Greedy, GreedyConfig, Situation};
 use nextview::sensor::Frame;
 use nextview_report::page_of_scan;
-use nextview_scan::{Fault, Faults, ScanState, ScanConfig, ScanRecord};
+use nextview_scan::{Fault, Faults, ScanConfig, ScanRecord, ScanState};
 use numpy::{PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -92,7 +92,10 @@ impl Instance {
 
     fn wrong(&self, method: &str, answer: &Bound<'_, PyAny>, expected: &str) -> PlannerFailure {
         let (shown, kind) = (shown(answer), type_of(answer));
-        PlannerFailure::new(format!("{}.{method} returned {shown}, of type {kind}, expected {expected}", self.name))
+        PlannerFailure::new(format!(
+            "{}.{method} returned {shown}, of type {kind}, expected {expected}",
+            self.name
+        ))
     }
 
     /// The view in the answer; `None` if no view gains anything.
@@ -128,7 +131,10 @@ impl Instance {
             _ => "it is out of reach",
         };
         let expected = "expected one of `situation.open_views`";
-        Err(PlannerFailure::new(format!("{}.plan returned view {view}, but {problem}; {expected}", self.name)))
+        Err(PlannerFailure::new(format!(
+            "{}.plan returned view {view}, but {problem}; {expected}",
+            self.name
+        )))
     }
 }
 

@@ -31,7 +31,9 @@ impl<'py> Class<'py> {
         let sight = match (is_a("Planner").map_err(lookup)?, is_a("Gain").map_err(lookup)?) {
             (true, false) => None,
             (false, true) => Some(sight(&class, &name)?),
-            (false, false) => return Err(PlannerFailure::new(format!("{name} is neither a planner nor a gain"))),
+            (false, false) => {
+                return Err(PlannerFailure::new(format!("{name} is neither a planner nor a gain")));
+            }
             (true, true) => return Err(PlannerFailure::new(format!("{name} is both a planner and a gain"))),
         };
         let missing = class.getattr("__abstractmethods__").and_then(|names| names.try_iter()?.collect());
@@ -82,7 +84,11 @@ fn sight(class: &Bound<'_, PyType>, name: &str) -> Result<Sight, PlannerFailure>
     match given.as_deref() {
         Ok("clear") => Ok(Sight::endless(FreeSpace::Clear)),
         Ok("fades") => Ok(Sight::endless(FreeSpace::Fades)),
-        Ok(other) => Err(PlannerFailure::new(format!("{name}.free_space is {other:?}, expected clear or fades"))),
-        Err(_) => Err(PlannerFailure::new(format!("{name}.free_space is not a string, expected clear or fades"))),
+        Ok(other) => {
+            Err(PlannerFailure::new(format!("{name}.free_space is {other:?}, expected clear or fades")))
+        }
+        Err(_) => {
+            Err(PlannerFailure::new(format!("{name}.free_space is not a string, expected clear or fades")))
+        }
     }
 }

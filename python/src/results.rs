@@ -3,7 +3,7 @@
 use nextview_report::page_of_scan;
 use nextview_scan::files::{Overwrite, ResultFolder};
 use nextview_scan::{
-    Fault, Faults, ScanState, Results, ScanConfig, ScanRecord, begin_results, write_results,
+    Fault, Faults, Results, ScanConfig, ScanRecord, ScanState, begin_results, write_results,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};

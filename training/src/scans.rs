@@ -14,7 +14,7 @@ use nextview::session::{Decision, Session, SessionConfig};
 use nextview::view::{ViewSpace, generate};
 use nextview::visibility::MeasuredParts;
 use nextview_sim::mesh::TriangleMesh;
-use nextview_sim::noise::{SensorNoise, Noise, PoseError};
+use nextview_sim::noise::{Noise, PoseError, SensorNoise};
 use nextview_sim::random_object::random_object;
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;

@@ -1,4 +1,4 @@
-use super::Outcome;
+use crate::Outcome;
 use glam::{DMat3, DQuat, DVec3};
 use nextview::geometry::Pose;
 

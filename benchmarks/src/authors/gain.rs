@@ -1,6 +1,7 @@
+use super::Slips;
 use super::map::{FREE, Knowledge, OCCUPIED};
 use super::rays::PlanningRays;
-use super::{Outcome, Slips};
+use crate::Outcome;
 use nextview::Cancel;
 use nextview::gain::object_probability;
 use nextview::map::{Occupancy, entropy, frontier};

@@ -1,6 +1,7 @@
 use super::recording::N_SCANS;
 use super::run::{ChoiceRule, ScannedObject, StepResult};
-use super::{Outcome, Repair, Slips};
+use super::{Repair, Slips};
+use crate::Outcome;
 use rayon::prelude::*;
 use std::time::Duration;
 

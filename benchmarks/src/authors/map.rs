@@ -1,6 +1,6 @@
-use super::Outcome;
 use super::recording::{RecordedRun, VOXEL_SIZE};
 use super::sensor::CameraImage;
+use crate::Outcome;
 use glam::DVec3;
 use nextview::geometry::{Lattice, VoxelBlock, VoxelKey};
 use nextview::map::{

@@ -35,6 +35,3 @@ pub mod sensor;
 mod slips;
 
 pub use slips::{Repair, Slips};
-
-/// A result whose error states place and cause.
-pub type Outcome<T> = Result<T, Box<dyn std::error::Error>>;

@@ -1,4 +1,4 @@
-use super::Outcome;
+use crate::Outcome;
 use glam::{DVec2, DVec3};
 use nextview::geometry::{Aabb, Pose};
 use nextview::sensor::Intrinsics;

@@ -1,7 +1,8 @@
+use super::Slips;
 use super::camera::look_from;
 use super::outline::Outline;
 use super::recording::{RecordedRun, VOXEL_SIZE};
-use super::{Outcome, Slips};
+use crate::Outcome;
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice, Pose, SegmentWalk, VoxelBlock, VoxelKey};
 use nextview::sensor::Intrinsics;

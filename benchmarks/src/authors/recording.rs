@@ -1,4 +1,4 @@
-use super::Outcome;
+use crate::Outcome;
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice, VoxelBlock, VoxelKey};
 use nextview::map::Octree;
@@ -41,7 +41,8 @@ impl RecordedRun {
     pub fn read(folder: &Path) -> Outcome<Self> {
         let path = folder.join("candidate_views.txt");
         let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let candidates = CandidateFile::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
+        let candidates =
+            CandidateFile::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
         let lattice = Lattice::new(VOXEL_SIZE)?;
         let aabb = Aabb::cube(candidates.center, candidates.half);
         let block = lattice.block_inside(&aabb).ok_or_else(|| {

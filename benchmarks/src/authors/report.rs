@@ -1,11 +1,12 @@
+use super::Slips;
 use super::ladder::{self, Rung};
 use super::map::Knowledge;
 use super::recording::N_SCANS;
 use super::reference::{
     CURVES, FIRST_PLAN, FIRST_PLAN_THROUGH_UNKNOWN, ORDER_LIKE_FIXED, ORDER_LIKE_RECORDED,
 };
-use super::run::{ChoiceRule, ScannedObject, FirstPlan};
-use super::{Outcome, Slips};
+use super::run::{ChoiceRule, FirstPlan, ScannedObject};
+use crate::Outcome;
 use std::fmt::Write;
 
 /// Numbers of averaged runs of each kind.

@@ -1,11 +1,12 @@
+use super::Slips;
 use super::camera::look_from;
 use super::flow::{Ties, flow_gains, in_flow, optimal_views};
 use super::gain::Qualities;
 use super::map::{Knowledge, Map};
-use super::rays::{RayCaster, PlanningRays};
+use super::rays::{PlanningRays, RayCaster};
 use super::recording::{N_SCANS, RECORDED_VIEWS, RecordedRun};
 use super::sensor::VirtualCamera;
-use super::{Outcome, Slips};
+use crate::Outcome;
 use nextview::geometry::Pose;
 use nextview::geometry::random::Random;
 use nextview::sensor::Intrinsics;

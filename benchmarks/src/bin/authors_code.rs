@@ -7,9 +7,9 @@
 //! and `coverage.csv`, the same bits every time (docs/tables.md explains the columns); stdout gets the mean
 //! planning time of every kind of run. With QUICK set, two runs of each kind are averaged.
 
-use nextview_benchmarks::authors::recording::Recording;
-use nextview_benchmarks::authors::report::{Effort, Report};
-use nextview_benchmarks::authors::run::Scene;
+use nextview_benchmarks::authors::recording::RecordedRun;
+use nextview_benchmarks::authors::report::{Effort, Measurements};
+use nextview_benchmarks::authors::run::ScannedObject;
 use nextview_benchmarks::is_quick;
 use std::error::Error;
 use std::path::PathBuf;
@@ -24,8 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         true => Effort { n_orders: 2, n_random: 2 },
         false => Effort { n_orders: 40, n_random: 200 },
     };
-    let scene = Scene::new(Recording::read(folder)?)?;
-    let report = Report::new(&scene, effort, |what| eprintln!("{what} ..."))?;
+    let scene = ScannedObject::new(RecordedRun::read(folder)?)?;
+    let report = Measurements::new(&scene, effort, |what| eprintln!("{what} ..."))?;
     std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
     let tables = [report.scans, report.first_plan, report.coverage];
     for (name, table) in ["scans.csv", "first-plan.csv", "coverage.csv"].into_iter().zip(tables) {

@@ -13,11 +13,11 @@
 use nextview::geometry::random::Random;
 use nextview::sensor::{ColorImage, Intrinsics};
 use nextview::view::generate;
+use nextview_benchmarks::Outcome;
 use nextview_benchmarks::painted;
 use nextview_recording::{decode_color, encode_color};
 use nextview_sim::camera::{Background, SimulatedCamera};
 use nextview_sim::mesh::{self, Unit};
-use std::error::Error;
 use std::ffi::OsStr;
 use std::fmt::Write;
 use std::fs;
@@ -25,8 +25,6 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 use std::time::Instant;
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
 
 /// Number of views for comparison, and the seed of their draw, separate from the candidates of the scans.
 const VIEWS: (usize, u64) = (16, 77);

@@ -13,11 +13,11 @@ use nextview::map::Integration;
 use nextview::planner::{MaxFlow, MaxFlowConfig, Situation, ViewPlanner};
 use nextview::sensor::Intrinsics;
 use nextview::view::generate;
-use nextview_benchmarks::log_plot::{Panel, Point, draw, exponent};
+use nextview_benchmarks::Outcome;
+use nextview_benchmarks::log_plot::{Measurement, Panel, draw, exponent};
 use nextview_benchmarks::peak_memory_mb;
 use nextview_benchmarks::workload::{Set, Workload, block, empty_map, intrinsics, ray_spacing_of_image_grid};
 use nextview_sim::camera::{Background, SimulatedCamera};
-use std::error::Error;
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
@@ -30,8 +30,6 @@ const SWEEPS: [(&str, &str, &[f64]); 4] = [
 ];
 
 const VOXELS_PER_METRE: &[f64] = &[50.0, 100.0, 200.0, 500.0, 1000.0];
-type Outcome<T> = Result<T, Box<dyn Error>>;
-
 fn main() -> Outcome<()> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     match args.as_slice() {
@@ -56,7 +54,7 @@ fn sweep(folder: &str, plot: Option<&Path>) -> Outcome<()> {
                 return Err(format!("{title}, {size}: {}", String::from_utf8_lossy(&program.stderr)).into());
             };
             println!("{title},{size},{ms:.3},{mb:.0}");
-            points.push(Point { size: *size, ms, mb });
+            points.push(Measurement { size: *size, ms, mb });
         }
         let panel = Panel { title: (*title).to_owned(), x_label: (*x_label).to_owned(), points };
         println!(

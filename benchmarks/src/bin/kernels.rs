@@ -3,7 +3,7 @@
 //!     kernels                  # the names of the stages that are small enough
 //!     kernels FOLDER NAME      # runs one on the workload in the folder
 
-use nextview_benchmarks::stage::{Stage, Work, stages};
+use nextview_benchmarks::stage::{Stage, TimedWork, stages};
 use nextview_benchmarks::workload::Workload;
 use std::error::Error;
 use std::path::Path;
@@ -30,6 +30,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Named in `instructions.sh`.
 #[inline(never)]
-fn counted(work: &mut Work<'_>) {
+fn counted(work: &mut TimedWork<'_>) {
     work();
 }

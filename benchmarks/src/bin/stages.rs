@@ -8,7 +8,7 @@
 
 use cpu_time::ProcessTime;
 use nextview_benchmarks::is_quick;
-use nextview_benchmarks::stage::{Work, stages};
+use nextview_benchmarks::stage::{TimedWork, stages};
 use nextview_benchmarks::workload::Workload;
 use std::error::Error;
 use std::path::Path;
@@ -21,7 +21,7 @@ const MIN_SECONDS: f64 = 0.5;
 fn main() -> Result<(), Box<dyn Error>> {
     let usage = "usage: stages cpu|wall FOLDER [FILTER]";
     let mut args = std::env::args().skip(1);
-    let (clock, label): (fn(&mut Work<'_>) -> f64, _) = match args.next().as_deref() {
+    let (clock, label): (fn(&mut TimedWork<'_>) -> f64, _) = match args.next().as_deref() {
         Some("cpu") => (cpu_seconds, "nextview"),
         Some("wall") => (wall_seconds, "nextview wall"),
         _ => return Err(usage.into()),
@@ -44,13 +44,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn cpu_seconds(work: &mut Work<'_>) -> f64 {
+fn cpu_seconds(work: &mut TimedWork<'_>) -> f64 {
     let start = ProcessTime::now();
     work();
     start.elapsed().as_secs_f64()
 }
 
-fn wall_seconds(work: &mut Work<'_>) -> f64 {
+fn wall_seconds(work: &mut TimedWork<'_>) -> f64 {
     let start = Instant::now();
     work();
     start.elapsed().as_secs_f64()

@@ -11,7 +11,8 @@ use nextview_scan::Fault;
 /// Names and contents of the files, whose stem is `name`: `.obj`, `.mtl` and `.png`, which refer to each
 /// other.
 pub(crate) fn files(scanned: &Scanned, name: &str) -> Result<[(String, Vec<u8>); 3], Fault> {
-    let photo = |view: &UndistortedView| Some(Photo { frame: view.frame.clone(), color: view.color.clone()? });
+    let photo =
+        |view: &UndistortedView| Some(Photo { frame: view.frame.clone(), color: view.color.clone()? });
     let photos: Vec<Photo> = scanned.views.iter().filter_map(photo).collect();
     // Result files have 0 0 0 for a missing colour.
     let colored = |point: &CloudPoint| CloudPoint { color: point.color.filter(|c| *c != [0; 3]), ..*point };

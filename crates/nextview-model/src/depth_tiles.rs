@@ -44,7 +44,8 @@ impl DepthTiles {
     pub(super) fn new(depth: &[f32], is_open: &[bool], width: usize) -> Self {
         let pixels = depth.iter().zip(is_open);
         let n_tiles = width.div_ceil(SIDE) * (depth.len() / width).div_ceil(SIDE);
-        let mut tiles = Self { width, height: depth.len() / width, tiles: vec![TileSummary::NOTHING; n_tiles] };
+        let mut tiles =
+            Self { width, height: depth.len() / width, tiles: vec![TileSummary::NOTHING; n_tiles] };
         for (pixel, (&depth, &is_open)) in pixels.enumerate() {
             let tile = tiles.index(pixel % width / SIDE, pixel / width / SIDE);
             let here = TileSummary { least: depth, most: depth, all_open: is_open, any_open: is_open };
@@ -60,7 +61,9 @@ impl DepthTiles {
             |range: RangeInclusive<usize>, n: usize| range.start() / SIDE..=(*range.end()).min(n - 1) / SIDE;
         let columns = tiles(columns, self.width);
         let rows = tiles(rows, self.height).flat_map(|row| columns.clone().map(move |column| (column, row)));
-        rows.fold(TileSummary::NOTHING, |extent, (column, row)| extent.and(self.tiles[self.index(column, row)]))
+        rows.fold(TileSummary::NOTHING, |extent, (column, row)| {
+            extent.and(self.tiles[self.index(column, row)])
+        })
     }
 
     fn index(&self, column: usize, row: usize) -> usize {
@@ -92,7 +95,12 @@ mod tests {
                     let pixels = (0..depth.len()).filter(inside);
                     pixels.fold(TileSummary::NOTHING, |extent, i| {
                         let open = is_open[i];
-                        extent.and(TileSummary { least: depth[i], most: depth[i], all_open: open, any_open: open })
+                        extent.and(TileSummary {
+                            least: depth[i],
+                            most: depth[i],
+                            all_open: open,
+                            any_open: open,
+                        })
                     })
                 };
                 let whole = |range: &RangeInclusive<usize>| {

@@ -181,7 +181,11 @@ impl PoseColumns {
 }
 
 /// Prefix of the pose columns: the requested one, ours, or the only choice.
-fn pose_prefix(header: &TextLine<'_>, names: &[&str], options: &ReadOptions) -> Result<String, RecordingError> {
+fn pose_prefix(
+    header: &TextLine<'_>,
+    names: &[&str],
+    options: &ReadOptions,
+) -> Result<String, RecordingError> {
     let complete =
         |prefix: &&str| ENTRIES.iter().all(|entry| names.contains(&format!("{prefix}{entry}").as_str()));
     let prefixes: Vec<&str> =

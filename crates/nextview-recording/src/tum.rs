@@ -5,7 +5,7 @@ use crate::frame::{ColorSource, DepthSource};
 use crate::lens::{self, Lens};
 use crate::recording::{ReadOptions, Recording, Skipped};
 use crate::text::{self, TextLine};
-use crate::trajectory::{Stamped, CameraTrajectory, nearest};
+use crate::trajectory::{CameraTrajectory, Stamped, nearest};
 use crate::{RecordedFrame, RecordingError, rigid};
 use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;

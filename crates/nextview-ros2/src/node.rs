@@ -6,7 +6,7 @@ use crate::messages::{Text, TriggerResponse};
 use crate::names::Names;
 use crate::notes::{Notes, say};
 use crate::parameters::Parameters;
-use crate::scan::{Job, Order, WorkerReport, State, start};
+use crate::scan::{Job, Order, State, WorkerReport, start};
 use crate::status;
 use futures_util::StreamExt;
 use nextview::sensor::Intrinsics;

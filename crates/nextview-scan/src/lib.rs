@@ -44,7 +44,7 @@ pub use results::{
     FRAMES_FOLDER, MapSummary, RESULT_FILES, Results, SavedMap, ScanFolder, begin_results, convert_map,
     result_file, result_folder, write_results,
 };
-pub use run::{RunOptions, ScanState, Measured, ModelFrames, Next, ScanRun, TakenFrame};
+pub use run::{Measured, ModelFrames, Next, RunOptions, ScanRun, ScanState, TakenFrame};
 pub use source::*;
 
 /// The name of an object without `builtin:`, folders and extension.

@@ -18,10 +18,10 @@ use nextview::planner::{Choice, MostSurface, MostSurfaceConfig, Plan, Situation,
 use nextview::prior::{SurfaceEstimate, SurfacePrior, ViewingClass};
 use nextview::sensor::{DepthRange, Intrinsics};
 use nextview::visibility::MeasuredParts;
+use nextview_benchmarks::Outcome;
 use nextview_evidence::known_object::KnownObject;
 use nextview_sim::scene::Scene;
 use rayon::prelude::*;
-use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -45,8 +45,6 @@ const PLANNERS: [Kind; 7] = [
     Kind::Rendered { width: 432 },
     Kind::Rendered { width: 640 },
 ];
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
 
 #[derive(Clone, Copy, Debug)]
 enum Kind {

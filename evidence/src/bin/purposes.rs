@@ -10,10 +10,10 @@
 
 use nextview::session::Decision;
 use nextview::surface::LooksGoal;
+use nextview_benchmarks::Outcome;
 use nextview_campaign::statistics::Interval;
 use nextview_evidence::needs::{Needs, TrueObject};
 use nextview_scan::{BoxRule, PlannerName, ScanConfig, SensorName, SimulatedObject, TableRule};
-use std::error::Error;
 
 const N_VIEWS: usize = 12;
 
@@ -25,8 +25,6 @@ const GOAL_MM: f64 = 0.2;
 
 /// Minimum overlap for photogrammetry.
 const OVERLAP: f64 = 0.8;
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
 
 /// A method of choosing views.
 #[derive(Clone, Copy)]

@@ -14,9 +14,9 @@ use nextview::map::{LogOdds, Occupancy, Snapshot};
 use nextview::planner::{Choice, Plan, Situation, ViewPlanner};
 use nextview::prior::{SurfaceEstimate, SurfacePrior, ViewingClass};
 use nextview::visibility::{FreeSpace, RayCaster, RayEnd, Sight};
+use nextview_benchmarks::Outcome;
 use nextview_evidence::known_object::KnownObject;
 use rayon::prelude::*;
-use std::error::Error;
 use std::path::Path;
 
 const RAY_SPACING: f64 = 2.0;
@@ -29,8 +29,6 @@ const N_FIRST: usize = 30;
 
 /// Rounds of mean-field updates: a belief reaches one voxel farther per round.
 const N_ROUNDS: usize = 30;
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
 
 #[derive(Clone, Copy)]
 struct QuestionVariant {
@@ -59,8 +57,12 @@ enum Counts {
     OncePerRay,
 }
 
-const PLAIN: QuestionVariant =
-    QuestionVariant { name: "plain", belief: Belief::Learned, counts: Counts::OncePerView, looks_ahead: false };
+const PLAIN: QuestionVariant = QuestionVariant {
+    name: "plain",
+    belief: Belief::Learned,
+    counts: Counts::OncePerView,
+    looks_ahead: false,
+};
 
 const VARIANTS: [QuestionVariant; 8] = [
     PLAIN,

@@ -12,8 +12,8 @@ use glam::DVec3;
 use nextview::Error as PlanningError;
 use nextview::motion::{KeepOut, MotionConfig, tour};
 use nextview::planner::{Choice, MostSurface, MostSurfaceConfig, Plan, RandomViews, Situation, ViewPlanner};
+use nextview_benchmarks::Outcome;
 use nextview_evidence::known_object::{KnownObject, KnownStep};
-use std::error::Error;
 use std::path::Path;
 
 /// Seconds at which the coverage is printed; scans end at the last one.
@@ -21,8 +21,6 @@ const TIMES: [f64; 6] = [10.0, 20.0, 30.0, 45.0, 60.0, 90.0];
 
 /// Number of candidates between first views: a prime, which spreads them all around.
 const APART: usize = 137;
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
 
 #[derive(Clone, Copy)]
 enum Kind {
@@ -55,8 +53,9 @@ fn main() -> Outcome<()> {
         let object = KnownObject::load(Path::new(&path))?;
         for first_view in (0..n_starts).map(|start| start * APART % KnownObject::N_CANDIDATES) {
             for ((_, kind), scans) in KINDS.iter().zip(&mut scans) {
-                let is_enough =
-                    |steps: &[KnownStep]| steps.last().is_some_and(|last| last.seconds > TIMES[TIMES.len() - 1]);
+                let is_enough = |steps: &[KnownStep]| {
+                    steps.last().is_some_and(|last| last.seconds > TIMES[TIMES.len() - 1])
+                };
                 scans.push(object.scan(planner(*kind, &object, first_view)?, first_view, is_enough)?);
             }
         }

@@ -9,12 +9,12 @@
 use nextview::geometry::{Lattice, VoxelBlock};
 use nextview::sensor::Intrinsics;
 use nextview::view::generate;
+use nextview_benchmarks::Outcome;
 use nextview_benchmarks::peak_memory_mb;
 use nextview_sim::mesh::{self, TriangleMesh, Unit, sample_surface};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;
 use nextview_sim::{SimError, builtin};
-use std::error::Error;
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
@@ -30,8 +30,6 @@ const BATCH: usize = 1 << 20;
 
 /// Number of images that look for voxels.
 const N_VIEWS: usize = 40;
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
 
 fn main() -> Outcome<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

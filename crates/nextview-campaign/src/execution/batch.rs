@@ -60,7 +60,8 @@ impl Batch {
     /// Reads a batch; fails if another build wrote it, because records would be of no use there.
     pub fn from_json(text: &str) -> Result<Self, Fault> {
         let unreadable = |error| Fault::data(format!("a batch of runs cannot be read: {error}"));
-        let BatchMessage { build, runs }: BatchMessage<Value> = serde_json::from_str(text).map_err(unreadable)?;
+        let BatchMessage { build, runs }: BatchMessage<Value> =
+            serde_json::from_str(text).map_err(unreadable)?;
         let this = BuildIdentity::this();
         if build != this {
             let host = Host::this(1).name;

@@ -2,8 +2,8 @@ use crate::{DoneRun, Host, Run, RunRecord, RunResult};
 use nextview::Cancel;
 use nextview::session::StopReason;
 use nextview_scan::{
-    RunOptions, BuildIdentity, Fault, Faults, Measured, ScanConfig, ScanRun, SimulatedObject, Simulation, Truth,
-    TruthCache, memory,
+    BuildIdentity, Fault, Faults, Measured, RunOptions, ScanConfig, ScanRun, SimulatedObject, Simulation,
+    Truth, TruthCache, memory,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -73,7 +73,8 @@ fn measure(
     config.check_views(object.views.len())?;
     let simulation = Simulation::new(object, config, truth);
     let before = if is_alone { memory::forget_peak().and_then(|()| memory::now_mb()) } else { None };
-    let mut run = ScanRun::begin(&simulation, config, RunOptions { cancel: cancel.clone(), ..RunOptions::default() })?;
+    let mut run =
+        ScanRun::begin(&simulation, config, RunOptions { cancel: cancel.clone(), ..RunOptions::default() })?;
     let stop = run.drive(|_| Ok(()))?;
     let finished = run.finish(Some(stop));
     let after = before.and_then(|_| memory::peak_mb());

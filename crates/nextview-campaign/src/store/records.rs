@@ -193,12 +193,12 @@ fn malformed(error: &serde_json::Error, line: usize, path: &Path) -> Fault {
     // The error states its place in the given text, where it is always in the first line.
     let text = error.to_string();
     let problem = text.split(" at line ").next().unwrap_or_default();
-    let place = Place { file: path.to_owned(), position: Some((line, error.column().max(1))) };
+    let place = FilePosition { file: path.to_owned(), position: Some((line, error.column().max(1))) };
     let fault = Fault::data(format!("{problem}, expected the record of a run"));
     Fault { place: Some(place), ..fault.with_remedy("was it written by another version of nextview?") }
 }
 
 /// A fault of the record in this line of a file.
 pub(super) fn in_line(fault: Fault, line: usize, path: &Path) -> Fault {
-    Fault { place: Some(Place { file: path.to_owned(), position: Some((line, 1)) }), ..fault }
+    Fault { place: Some(FilePosition { file: path.to_owned(), position: Some((line, 1)) }), ..fault }
 }

@@ -66,7 +66,8 @@ fn image_name(view: &UndistortedView) -> String {
 fn tracks(scanned: &Scanned) -> (Vec<ColmapPoint>, Vec<ShownPoints>) {
     let stride = scanned.cloud.points.len().div_ceil(MAX_POINTS).max(1);
     let mut points = Vec::new();
-    let mut seen: Vec<ShownPoints> = scanned.views.iter().map(|_| ShownPoints { points: Vec::new() }).collect();
+    let mut seen: Vec<ShownPoints> =
+        scanned.views.iter().map(|_| ShownPoints { points: Vec::new() }).collect();
     for point in scanned.cloud.points.iter().step_by(stride) {
         let pixels = scanned.views.iter().map(|view| pixel_of(view, point.position));
         let pixels: Vec<(usize, DVec2)> =

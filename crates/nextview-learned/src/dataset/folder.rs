@@ -33,7 +33,12 @@ impl Folder {
     }
 
     /// Writes the samples of the file that starts with this object.
-    pub fn write(&self, first: u32, network: NetworkName, samples: &[TrainingSample]) -> Result<(), DatasetError> {
+    pub fn write(
+        &self,
+        first: u32,
+        network: NetworkName,
+        samples: &[TrainingSample],
+    ) -> Result<(), DatasetError> {
         replace(&self.file(first), |writer| npy::write(writer, network, samples))
     }
 

@@ -5,7 +5,11 @@ use super::sample::TrainingSample;
 use std::io::{self, Write};
 
 /// Writes the samples as an array for `numpy.load`.
-pub(super) fn write(writer: &mut impl Write, network: NetworkName, samples: &[TrainingSample]) -> io::Result<()> {
+pub(super) fn write(
+    writer: &mut impl Write,
+    network: NetworkName,
+    samples: &[TrainingSample],
+) -> io::Result<()> {
     writer.write_all(&header(network, samples.len()))?;
     for sample in samples {
         writer.write_all(&sample.object.to_le_bytes())?;

@@ -12,4 +12,4 @@ mod survey;
 
 pub use planner::Kaba;
 pub use policy::{BOUNDARY_WEIGHTS, Policy};
-pub use survey::{N_FEATURES, KabaSurvey, Surveyor};
+pub use survey::{KabaSurvey, N_FEATURES, Surveyor};

@@ -93,7 +93,12 @@ fn split(file: &[u8]) -> Result<(BTreeMap<String, TensorEntry>, &[u8]), WeightsE
 }
 
 /// The numbers of a tensor, which must be finite and match the expected shape.
-fn numbers(name: String, entry: TensorEntry, expected: TensorShape, data: &[u8]) -> Result<Vec<f32>, WeightsError> {
+fn numbers(
+    name: String,
+    entry: TensorEntry,
+    expected: TensorShape,
+    data: &[u8],
+) -> Result<Vec<f32>, WeightsError> {
     let found = TensorShape(entry.shape);
     if found != expected {
         return Err(WeightsError::WrongShape { name, found, expected });

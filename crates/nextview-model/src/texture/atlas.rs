@@ -1,7 +1,7 @@
 //! Drawing the texture.
 
 use super::charts::Chart;
-use super::packing::{TextureLayout, PAD};
+use super::packing::{PAD, TextureLayout};
 use super::photo::Photo;
 use super::sight::{PhotoSight, corners, is_touched, weights};
 use super::textured_mesh::TexturedMesh;

@@ -1,7 +1,7 @@
 //! Exposure differences between photos.
 
 use super::photo::Photo;
-use super::sight::{ViewedMesh, PhotoSight};
+use super::sight::{PhotoSight, ViewedMesh};
 use nextview::{Cancel, Cancelled};
 
 /// Colours outside this range may be clipped and carry no information on the exposure.

@@ -28,7 +28,7 @@ use glam::DVec3;
 use nextview::surface::CloudPoint;
 use nextview::{Cancel, Error};
 use rayon::prelude::*;
-use sight::{ViewedMesh, PhotoSight};
+use sight::{PhotoSight, ViewedMesh};
 
 /// Largest side of the texture, pixels; charts are scaled down if they do not fit.
 const MAX_SIDE: usize = 4096;

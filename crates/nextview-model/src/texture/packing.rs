@@ -24,7 +24,12 @@ pub(super) struct TextureLayout {
 
 impl TextureLayout {
     /// Returns a layout at the scale of the photos, or the largest that fits into a square of this side.
-    pub fn new(charts: &[Chart], sights: &[PhotoSight], n_unseen: usize, max_side: usize) -> Result<Self, Error> {
+    pub fn new(
+        charts: &[Chart],
+        sights: &[PhotoSight],
+        n_unseen: usize,
+        max_side: usize,
+    ) -> Result<Self, Error> {
         let extents: Vec<(DVec2, DVec2)> =
             charts.iter().map(|chart| extent(chart, &sights[chart.photo])).collect();
         // Four by four pixels, or one if these would take more than a quarter.

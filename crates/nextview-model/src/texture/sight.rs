@@ -94,7 +94,11 @@ pub(super) fn corners(places: &[Option<ImagePoint>], triangle: &[u32; 3]) -> Opt
 
 /// Returns the depth of the mesh at every pixel, infinite without mesh. Pixels on an edge belong to both
 /// sides.
-pub(super) fn depth_buffer(places: &[Option<ImagePoint>], triangles: &[[u32; 3]], size: [u32; 2]) -> Vec<f64> {
+pub(super) fn depth_buffer(
+    places: &[Option<ImagePoint>],
+    triangles: &[[u32; 3]],
+    size: [u32; 2],
+) -> Vec<f64> {
     let mut buffer = vec![f64::INFINITY; size[0] as usize * size[1] as usize];
     for corners in triangles.iter().filter_map(|triangle| corners(places, triangle)) {
         let pixels = corners.map(|corner| corner.pixel);

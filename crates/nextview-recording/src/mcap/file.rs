@@ -86,7 +86,12 @@ pub(super) fn walk(
                 while !cursor.rest().is_empty() {
                     let in_chunk = Some(cursor.at());
                     let (opcode, content) = next_in_chunk(&mut cursor).map_err(in_record)?;
-                    let place = RecordPosition { byte, in_chunk, n_bytes: plain.len(), crc: crc32fast::hash(content) };
+                    let place = RecordPosition {
+                        byte,
+                        in_chunk,
+                        n_bytes: plain.len(),
+                        crc: crc32fast::hash(content),
+                    };
                     show(place, opcode, content).map_err(in_record)?;
                 }
             }

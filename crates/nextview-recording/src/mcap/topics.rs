@@ -1,10 +1,10 @@
-use super::file::{self, RecordPosition, Record};
+use super::file::{self, Record, RecordPosition};
 use super::image::ImagePlace;
 use super::messages::{self, AnyImage, Packing};
 use super::poses::{PoseSource, Transforms};
 use crate::frame::{ColorSource, DepthSource};
 use crate::recording::{ReadOptions, Recording, Skipped};
-use crate::trajectory::{Stamped, CameraTrajectory, nearest};
+use crate::trajectory::{CameraTrajectory, Stamped, nearest};
 use crate::{RecordedFrame, RecordingError, limits};
 use nextview::geometry::Pose;
 use nextview::sensor::Intrinsics;

@@ -2,7 +2,7 @@
 
 use super::data_file::DataFile;
 use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
-use crate::plot::{Axis, Curve, CurveMarker, Plot};
+use crate::plot::{CurveMarker, HorizontalAxis, Plot, PlotCurve};
 use crate::text::fixed;
 use nextview_campaign::statistics::{Study, StudyVariant, mean, percentile};
 
@@ -116,14 +116,14 @@ impl EstimateClass {
 
 fn plot(classes: &[EstimateClass]) -> Plot {
     let at = |class: &EstimateClass| (100.0 * class.estimate).round() as usize;
-    let truth = Curve {
+    let truth = PlotCurve {
         class: "v0".to_owned(),
         label: String::new(),
         marker: CurveMarker::Circle,
         points: classes.iter().map(|class| (at(class), class.truth()[1])).collect(),
         band: classes.iter().map(|class| (at(class), class.truth()[0], class.truth()[2])).collect(),
     };
-    let equal = Curve {
+    let equal = PlotCurve {
         class: "other".to_owned(),
         marker: CurveMarker::None,
         points: vec![(0, 0.0), (100, 1.0)],
@@ -131,7 +131,7 @@ fn plot(classes: &[EstimateClass]) -> Plot {
         ..truth.clone()
     };
     Plot {
-        x_axis: Axis::Percent("estimated completeness"),
+        x_axis: HorizontalAxis::Percent("estimated completeness"),
         y_label: "reachable coverage".to_owned(),
         y_range: [0.0, 1.0],
         size: [240.0, 8.0, 240.0],
@@ -198,7 +198,7 @@ mod tests {
             .collect();
         assert_eq!(cells, [["b, 95 to 98 %", "2", "97.0", "50.0"], ["b, 98 to 100 %", "2", "100.0", "90.0"]]);
         let (title, plot) = &figure.panels[0];
-        assert_eq!((&title[..], plot.x_axis), ("b", Axis::Percent("estimated completeness")));
+        assert_eq!((&title[..], plot.x_axis), ("b", HorizontalAxis::Percent("estimated completeness")));
         assert_eq!(plot.curves[0].points, [(97, 0.5), (100, 0.9)]);
     }
 

@@ -3,7 +3,7 @@
 use super::data_file::DataFile;
 use super::document::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::line::{CurveLine, N_STYLES, baselines, shortened};
-use crate::plot::{self, Axis, CurveMarker, Plot, view_ticks};
+use crate::plot::{self, CurveMarker, HorizontalAxis, Plot, view_ticks};
 use crate::text::fixed;
 use nextview_campaign::statistics::{Curve, Study};
 
@@ -47,7 +47,7 @@ fn figure(study: &Study, of: Curve, title: &str, text: &str) -> Option<Block> {
     let n = lines.len();
     let range = range(lines.iter().chain(&baselines));
     let axes = |curves, size| Plot {
-        x_axis: Axis::Views,
+        x_axis: HorizontalAxis::Views,
         y_label: title.to_lowercase(),
         y_range: range,
         size,
@@ -55,7 +55,8 @@ fn figure(study: &Study, of: Curve, title: &str, text: &str) -> Option<Block> {
     };
     let overview = (n <= MAX_IN_OVERVIEW).then(|| {
         let curves = lines.iter().chain(&baselines);
-        let curves: Vec<plot::Curve> = curves.map(|line| line.curve(n <= MAX_BANDS, &line.name)).collect();
+        let curves: Vec<plot::PlotCurve> =
+            curves.map(|line| line.curve(n <= MAX_BANDS, &line.name)).collect();
         axes(curves, [400.0, label_room(&lines), 294.0])
     });
     let panels = lines.iter().enumerate().filter(|_| n > MAX_BANDS).map(|(i, line)| {

@@ -8,8 +8,14 @@ use rayon::prelude::*;
 /// The number of styles of curves.
 pub(crate) const N_STYLES: usize = 6;
 
-const MARKERS: [CurveMarker; N_STYLES] =
-    [CurveMarker::Circle, CurveMarker::Diamond, CurveMarker::Circle, CurveMarker::TriangleDown, CurveMarker::Diamond, CurveMarker::Cross];
+const MARKERS: [CurveMarker; N_STYLES] = [
+    CurveMarker::Circle,
+    CurveMarker::Diamond,
+    CurveMarker::Circle,
+    CurveMarker::TriangleDown,
+    CurveMarker::Diamond,
+    CurveMarker::Cross,
+];
 
 /// A curve with its numbers.
 #[derive(Clone)]
@@ -45,9 +51,9 @@ impl CurveLine {
     }
 
     /// Returns the curve of the drawing.
-    pub fn curve(&self, with_band: bool, label: &str) -> plot::Curve {
+    pub fn curve(&self, with_band: bool, label: &str) -> plot::PlotCurve {
         let band = self.intervals.iter().enumerate().filter(|_| with_band);
-        plot::Curve {
+        plot::PlotCurve {
             class: self.class.clone(),
             label: shortened(label),
             marker: self.marker,
@@ -57,8 +63,8 @@ impl CurveLine {
     }
 
     /// A thin curve behind others.
-    pub fn ghost(&self) -> plot::Curve {
-        plot::Curve { class: "other".to_owned(), marker: CurveMarker::None, ..self.curve(false, "") }
+    pub fn ghost(&self) -> plot::PlotCurve {
+        plot::PlotCurve { class: "other".to_owned(), marker: CurveMarker::None, ..self.curve(false, "") }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The drawing as SVG.
 
-use super::layout::{HorizontalAxis, PlotCurve, LEFT, Plot, TOP};
+use super::layout::{HorizontalAxis, LEFT, Plot, PlotCurve, TOP};
 use super::marker::CurveMarker;
 use super::ticks::view_ticks;
 use crate::text::{escape, percent};

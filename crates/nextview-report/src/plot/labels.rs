@@ -1,6 +1,6 @@
 //! The names of curves next to their ends.
 
-use super::layout::{PlotCurve, Plot};
+use super::layout::{Plot, PlotCurve};
 use crate::text::{escape, fixed};
 
 /// Smallest vertical distance between two labels.

@@ -8,6 +8,6 @@ mod layout;
 mod marker;
 mod ticks;
 
-pub(crate) use layout::{HorizontalAxis, PlotCurve, Plot};
+pub(crate) use layout::{HorizontalAxis, Plot, PlotCurve};
 pub(crate) use marker::{CurveMarker, legend_item};
 pub(crate) use ticks::view_ticks;

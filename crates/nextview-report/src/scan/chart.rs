@@ -2,7 +2,7 @@
 
 use super::coverage::{self, CoverageCurve};
 use super::input::ScanPage;
-use crate::plot::{Axis, Curve, CurveMarker, Plot, legend_item};
+use crate::plot::{CurveMarker, HorizontalAxis, Plot, PlotCurve, legend_item};
 use nextview_scan::ScanRecord;
 
 /// The chart with its legend; a sentence if no coverage is known.
@@ -14,7 +14,7 @@ pub(super) fn draw(page: &ScanPage<'_>) -> String {
     }
     let legend = legend(page.record, &curves);
     let plot = Plot {
-        x_axis: Axis::Views,
+        x_axis: HorizontalAxis::Views,
         y_label: coverage.map_or("estimated completeness", |coverage| coverage.name).to_lowercase(),
         y_range: [0.0, 1.0],
         size: [378.0, 130.0, 294.0],
@@ -24,9 +24,9 @@ pub(super) fn draw(page: &ScanPage<'_>) -> String {
 }
 
 /// The curve of this scan, the planner's estimate, and the baselines, if they have points.
-fn curves(page: &ScanPage<'_>, coverage: Option<&CoverageCurve>) -> Vec<Curve> {
+fn curves(page: &ScanPage<'_>, coverage: Option<&CoverageCurve>) -> Vec<PlotCurve> {
     let record = page.record;
-    let curve = |class: &str, label: &str, marker, coverage: Vec<Option<f64>>| Curve {
+    let curve = |class: &str, label: &str, marker, coverage: Vec<Option<f64>>| PlotCurve {
         class: class.to_owned(),
         label: label.to_owned(),
         marker,
@@ -45,7 +45,7 @@ fn curves(page: &ScanPage<'_>, coverage: Option<&CoverageCurve>) -> Vec<Curve> {
         }
         if let Some(mean) = &record.random_curve {
             let mean = curve("random", "random", CurveMarker::Square, all_known(mean));
-            curves.push(Curve { band: band(record), ..mean });
+            curves.push(PlotCurve { band: band(record), ..mean });
         }
     }
     curves.retain(|curve| !curve.points.is_empty());
@@ -64,7 +64,7 @@ fn band(record: &ScanRecord) -> Vec<(usize, f64, f64)> {
     edges.filter(|(_, low, high)| low.is_finite() && high.is_finite()).collect()
 }
 
-fn legend(record: &ScanRecord, curves: &[Curve]) -> String {
+fn legend(record: &ScanRecord, curves: &[PlotCurve]) -> String {
     let mut items = String::new();
     for curve in curves {
         let text = match curve.class.as_str() {

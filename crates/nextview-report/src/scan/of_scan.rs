@@ -4,7 +4,7 @@ use super::page::scan_page;
 use super::picture::ViewPicture;
 use super::scan_copy::ScanCopy;
 use super::shown::{FusedFrames, ShownModel};
-use nextview_scan::{ScanState, ScanConfig, ScanRecord};
+use nextview_scan::{ScanConfig, ScanRecord, ScanState};
 
 /// Maximum number of vertices of the surface on a page. A vertex costs 26 bytes, so they take 1 MB.
 const MAX_VERTICES: usize = 40_000;

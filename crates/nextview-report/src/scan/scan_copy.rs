@@ -4,7 +4,7 @@ use nextview::motion::Trajectory;
 use nextview::object::TableTops;
 use nextview::sensor::{ColorImage, DepthRange, Frame};
 use nextview::view::ViewSpace;
-use nextview_scan::{ScanState, ModelFrames};
+use nextview_scan::{ModelFrames, ScanState};
 
 /// A copy of everything that a page shows of a scan: the scan continues while the page is made. Images are
 /// shared.

@@ -1,6 +1,6 @@
 use super::scan_copy::ScanCopy;
 use nextview::session::NextView;
-use nextview_scan::{ScanState, Measured, ScanConfig, ScanRecord, short_name};
+use nextview_scan::{Measured, ScanConfig, ScanRecord, ScanState, short_name};
 
 /// The source of a [scene](crate::live::LiveScene): a copy of a scan's current state, so that no frame waits
 /// while the scene is made.

@@ -7,7 +7,7 @@ use nextview::sensor::{DepthImage, Frame, Intrinsics};
 use nextview::session::{NextView, Session, SessionConfig};
 use nextview::view::generate;
 use nextview_report::live::{LiveScene, SceneSource};
-use nextview_scan::{ScanState, Next, ScanConfig, ScanRun};
+use nextview_scan::{Next, ScanConfig, ScanRun, ScanState};
 use serde_json::Value;
 
 /// A scan in which every camera looks at the middle of a box from 0.4 m and sees a wall there.

@@ -119,7 +119,9 @@ impl Solid {
     pub fn outside(&self, point: DVec3) -> f64 {
         match self.core {
             SolidCore::Point => (point.length() - self.round).max(0.0),
-            SolidCore::Box(half) | SolidCore::Hull { half, .. } => (point.abs() - half).max(DVec3::ZERO).length(),
+            SolidCore::Box(half) | SolidCore::Hull { half, .. } => {
+                (point.abs() - half).max(DVec3::ZERO).length()
+            }
             SolidCore::Cylinder { radius, half } => {
                 let aside = (point.truncate().length() - radius).max(0.0);
                 aside.hypot((point.z.abs() - half).max(0.0))

@@ -117,7 +117,13 @@ impl CubeSearch<'_> {
     }
 }
 
-fn build(branches: &mut Vec<[CubeNode; 8]>, low: UVec3, side: u32, dims: UVec3, blocked: &[bool]) -> CubeNode {
+fn build(
+    branches: &mut Vec<[CubeNode; 8]>,
+    low: UVec3,
+    side: u32,
+    dims: UVec3,
+    blocked: &[bool],
+) -> CubeNode {
     if low.cmpge(dims).any() {
         return CubeNode::Free;
     }

@@ -1,6 +1,6 @@
 use super::JointPath;
 use crate::{Arm, Joint};
-use nextview::motion::Profile;
+use nextview::motion::SpeedProfile;
 
 /// Joint values over time.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +66,7 @@ pub(super) fn between(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
 }
 
 /// Share of the way over time. All joints move in proportion: the slowest one decides.
-fn profile(arm: &Arm, from: &[f64], to: &[f64]) -> Profile {
+fn profile(arm: &Arm, from: &[f64], to: &[f64]) -> SpeedProfile {
     assert_eq!(from.len(), arm.n_joints(), "a value for each joint");
     let least = |limit: &dyn Fn(&Joint) -> f64| {
         let shares = arm.joints.iter().zip(from.iter().zip(to));
@@ -75,7 +75,7 @@ fn profile(arm: &Arm, from: &[f64], to: &[f64]) -> Profile {
     };
     let (speed, acceleration) = (least(&|joint| joint.limits.velocity), least(&|j| j.limits.acceleration));
     if speed == f64::INFINITY {
-        return Profile::new(0.0, 1.0, 1.0);
+        return SpeedProfile::new(0.0, 1.0, 1.0);
     }
-    Profile::new(1.0, speed, acceleration)
+    SpeedProfile::new(1.0, speed, acceleration)
 }

@@ -1,5 +1,5 @@
 use super::error::{UrdfError, UrdfFault};
-use super::model::{Model, JointMotion};
+use super::model::{JointMotion, Model};
 use std::collections::BTreeMap;
 
 /// The tree of a URDF, and the path through it from base to tip.

@@ -1,5 +1,5 @@
 use super::chain::Chain;
-use super::model::{Model, JointMotion};
+use super::model::{JointMotion, Model};
 use crate::{Arm, Joint, Link, Shape};
 use nextview::geometry::Pose;
 

@@ -1,4 +1,4 @@
-use super::model::{ModelJoint, JointMotion};
+use super::model::{JointMotion, ModelJoint};
 use super::reader::{UrdfReader, children, shortened};
 use crate::{JointKind, JointLimits};
 use glam::DVec3;
@@ -54,7 +54,11 @@ impl UrdfReader<'_> {
     }
 
     fn moves(&mut self, node: Node, place: &str, kind: JointKind, is_continuous: bool) -> JointMotion {
-        JointMotion::Moves { kind, axis: self.axis(node, place), limits: self.limits(node, place, is_continuous) }
+        JointMotion::Moves {
+            kind,
+            axis: self.axis(node, place),
+            limits: self.limits(node, place, is_continuous),
+        }
     }
 
     /// The direction of the axis; by default x, as the format defines.

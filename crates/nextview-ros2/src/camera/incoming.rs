@@ -1,6 +1,6 @@
-use super::capture::{CaptureRequest, Shot, PosedImage};
-use super::rest::{RecentPoses, is_near};
+use super::capture::{CaptureRequest, PosedImage, Shot};
 use super::pose_history::PoseHistory;
+use super::rest::{RecentPoses, is_near};
 use crate::connections::Message;
 use crate::messages::{CompressedImage, Header, Image};
 use crate::notes::Notes;

@@ -2,8 +2,8 @@
 
 mod capture;
 mod incoming;
-mod rest;
 mod pose_history;
+mod rest;
 
 pub use capture::PosedImage;
 pub use incoming::Camera;

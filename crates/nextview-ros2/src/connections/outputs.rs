@@ -55,8 +55,12 @@ impl Outputs {
             OutgoingMessage::JointTrajectory(message) => {
                 sent("~/joint_trajectory", self.joint_trajectory.publish(message))
             }
-            OutgoingMessage::OctomapBinary(message) => sent("~/octomap_binary", self.octomap_binary.publish(message)),
-            OutgoingMessage::OctomapFull(message) => sent("~/octomap_full", self.octomap_full.publish(message)),
+            OutgoingMessage::OctomapBinary(message) => {
+                sent("~/octomap_binary", self.octomap_binary.publish(message))
+            }
+            OutgoingMessage::OctomapFull(message) => {
+                sent("~/octomap_full", self.octomap_full.publish(message))
+            }
             OutgoingMessage::Cloud(message) => sent("~/cloud", self.cloud.publish(message)),
             OutgoingMessage::Markers(message) => sent("~/markers", self.markers.publish(message)),
             OutgoingMessage::Status(message) => sent("~/status", self.status.publish(message)),

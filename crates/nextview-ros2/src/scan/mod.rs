@@ -6,4 +6,4 @@ mod octomap;
 mod picture;
 mod worker;
 
-pub use worker::{Job, Order, WorkerReport, State, start};
+pub use worker::{Job, Order, State, WorkerReport, start};

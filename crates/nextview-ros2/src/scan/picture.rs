@@ -26,7 +26,8 @@ pub fn outputs(scan: &LiveScan, next: Option<&NextView>, frame: &str) -> Result<
             stamped(Time::from_seconds(at.time), (&at.world_from_camera).into())
         };
         waypoints = trajectory.waypoints().iter().map(waypoint).collect();
-        let joints = scan.joints_to(next).map(|joints| OutgoingMessage::JointTrajectory(joint_trajectory(joints)));
+        let joints =
+            scan.joints_to(next).map(|joints| OutgoingMessage::JointTrajectory(joint_trajectory(joints)));
         outputs.extend(joints);
     }
     outputs.push(OutgoingMessage::Path(Path { header: Header::of(frame), poses: waypoints }));

@@ -1,8 +1,8 @@
 //! Reads a configuration from a text or a table and reports all its faults at once.
 
-use super::value::{self, Problem, What, read_value};
+use super::value::{self, Mismatch, What, read_value};
 use super::{Positions, Profile, ScanConfig, SourceConfig};
-use crate::{Fault, FaultKind, Faults, Place, files};
+use crate::{Fault, FaultKind, Faults, FilePosition, files};
 use glam::DVec2;
 use nextview::sensor::Intrinsics;
 use serde::Deserialize;
@@ -148,7 +148,7 @@ fn is_within(faults: &[Fault], table: &str) -> bool {
 }
 
 /// All faults in the optics of a camera, which fail as a whole.
-fn of_camera(problem: &Problem, whole: &Value) -> Option<Vec<Fault>> {
+fn of_camera(problem: &Mismatch, whole: &Value) -> Option<Vec<Fault>> {
     #[derive(Deserialize)]
     struct Optics {
         width: u32,
@@ -257,9 +257,11 @@ impl Positions {
         let key = fault.key.as_ref().map(|key| format!("{prefix}{key}"));
         let position = key.and_then(|key| self.find(&key));
         match &self.file {
-            Some(file) if fault.place.is_none() => {
-                Fault { kind: FaultKind::Data, place: Some(Place { file: file.clone(), position }), ..fault }
-            }
+            Some(file) if fault.place.is_none() => Fault {
+                kind: FaultKind::Data,
+                place: Some(FilePosition { file: file.clone(), position }),
+                ..fault
+            },
             _ => fault,
         }
     }

@@ -2,7 +2,7 @@ use super::millimetres::of_least_depth;
 use super::names::named;
 use crate::Fault;
 use nextview::sensor::DepthRange;
-use nextview_sim::noise::{SensorNoise, Noise, PoseError};
+use nextview_sim::noise::{Noise, PoseError, SensorNoise};
 use serde::{Deserialize, Serialize};
 
 /// Errors of the simulated camera. They have their own seed: planners with several seeds face the same
@@ -23,7 +23,7 @@ pub struct NoiseConfig {
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub first_pose_is_right: bool,
     /// Parameters of the model, unless it is none. Defaults are those of the named sensor, if any.
-    #[serde(deserialize_with = "DepthNoise::deserialize")]
+    #[serde(deserialize_with = "SensorNoise::deserialize")]
     pub depth: SensorNoise,
 }
 

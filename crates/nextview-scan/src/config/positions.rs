@@ -1,4 +1,4 @@
-use crate::{Fault, Faults, Place};
+use crate::{Fault, Faults, FilePosition};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ impl Positions {
         let (document, errors) = DeTable::parse_recoverable(text);
         let faults = errors.iter().map(|error| {
             let position = error.span().map(|span| line_and_column(text, &span));
-            let place = file.map(|file| Place { file: file.to_owned(), position });
+            let place = file.map(|file| FilePosition { file: file.to_owned(), position });
             Fault { place, ..Fault::data(error.message()) }
         });
         if let Some(faults) = Faults::of(faults.collect()) {

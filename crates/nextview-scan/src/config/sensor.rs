@@ -91,7 +91,7 @@ struct SensorFile {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct NoiseSection {
-    #[serde(deserialize_with = "DepthNoise::deserialize")]
+    #[serde(deserialize_with = "SensorNoise::deserialize")]
     depth: SensorNoise,
 }
 

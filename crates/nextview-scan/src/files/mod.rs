@@ -10,7 +10,7 @@ mod write;
 
 pub use keep::{Overwrite, check_name, is_within};
 pub use numbered::numbered;
-pub(crate) use place::{PathTarget, create_folder, name_new, sync_folder, path_target};
+pub(crate) use place::{PathTarget, create_folder, name_new, path_target, sync_folder};
 pub use read::{open, read, read_text};
 pub use results::{ResultFolder, remove_unfinished};
 pub use write::{NewFile, unfinished, write};

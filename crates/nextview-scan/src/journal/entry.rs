@@ -91,7 +91,8 @@ pub(super) fn read_entry(bytes: &[u8]) -> Result<JournalEntry, String> {
     match serde_json::from_slice(head).map_err(|error| error.to_string())? {
         Head::Skip(skipped) => Ok(JournalEntry::Skip(skipped)),
         Head::Frame(about) => {
-            let FrameEntry { view, was_asked, world_from_camera, range_m, intrinsics, depth_bytes, name } = about;
+            let FrameEntry { view, was_asked, world_from_camera, range_m, intrinsics, depth_bytes, name } =
+                about;
             let cut = || "the entry ends within its depth".to_owned();
             let (depth, color) = match depth_bytes {
                 Some(length) => images.split_at_checked(length).map(|(a, b)| (a, Some(b))).ok_or_else(cut)?,

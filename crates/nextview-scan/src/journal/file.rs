@@ -2,7 +2,7 @@ use super::entry::Entry;
 use super::kept::{JournalEntry, KeptFrame, SkippedView};
 use super::read::{self, MAGIC};
 use crate::Fault;
-use crate::files::{self, PathTarget, name_new, sync_folder, unfinished, path_target};
+use crate::files::{self, PathTarget, name_new, path_target, sync_folder, unfinished};
 use std::fmt;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};

@@ -2,8 +2,8 @@ use super::fingerprint::fingerprint;
 use super::known_poses::KnownPoses;
 use crate::files::ResultFolder;
 use crate::{
-    RunOptions, Damage, Fault, Faults, ScanState, Interrupted, LiveFrame, Next, OwnCamera, Results, ScanConfig,
-    ScanJournal, ScanRun, StepRecord, TakenFrame, ViewRecord, write_results,
+    Damage, Fault, Faults, Interrupted, LiveFrame, Next, OwnCamera, Results, RunOptions, ScanConfig,
+    ScanJournal, ScanRun, ScanState, StepRecord, TakenFrame, ViewRecord, write_results,
 };
 use nextview::Cancel;
 use nextview::geometry::Pose;

@@ -2,10 +2,10 @@
 
 mod fingerprint;
 mod guidance;
+mod known_poses;
 mod live_frame;
 mod live_scan;
 mod tracking;
-mod known_poses;
 
 pub use guidance::Guidance;
 pub use live_frame::LiveFrame;

@@ -1,6 +1,6 @@
 use super::frames_folder::FRAMES_FOLDER;
 use crate::files::ResultFolder;
-use crate::run::{ScanState, ModelFrames};
+use crate::run::{ModelFrames, ScanState};
 use crate::{Fault, Faults};
 use nextview_recording::{NumberedFrame, write_folder};
 use std::io::Write;

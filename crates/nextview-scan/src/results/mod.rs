@@ -9,7 +9,7 @@ mod saved_model;
 
 use crate::files::{Overwrite, ResultFolder, numbered};
 use crate::journal::Occupant;
-use crate::run::{ScanState, Measured};
+use crate::run::{Measured, ScanState};
 use crate::{Fault, FaultKind, Faults, ScanConfig, ScanJournal, ScanRecord, StepRecord, short_name};
 use nextview::geometry::Pose;
 use nextview::map::Octree;

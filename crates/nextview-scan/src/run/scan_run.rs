@@ -1,5 +1,5 @@
 use super::ScanState;
-use super::arm::{ScanArm, ArmMove};
+use super::arm::{ArmMove, ScanArm};
 use super::scan_facts::ScanFacts;
 use super::warning::{POSES_AS_GIVEN, poses_are_wrong, warning};
 use crate::earlier_scan::EarlierScan;
@@ -122,7 +122,11 @@ impl<'a> ScanRun<'a> {
     }
 
     /// Begins the configured run with frames from this source.
-    pub fn begin(source: &'a dyn FrameSource, config: &ScanConfig, begin: RunOptions) -> Result<Self, Faults> {
+    pub fn begin(
+        source: &'a dyn FrameSource,
+        config: &ScanConfig,
+        begin: RunOptions,
+    ) -> Result<Self, Faults> {
         let mut run = Self::of_session(source.session(config)?, config, begin)?;
         run.scan.source = Some(source);
         run.scan.evaluator = Some(source.evaluator(config));
@@ -130,7 +134,11 @@ impl<'a> ScanRun<'a> {
     }
 
     /// The run of this session with a user's camera and the configured time limit.
-    pub(crate) fn of_session(session: Session, config: &ScanConfig, begin: RunOptions) -> Result<Self, Fault> {
+    pub(crate) fn of_session(
+        session: Session,
+        config: &ScanConfig,
+        begin: RunOptions,
+    ) -> Result<Self, Fault> {
         let earlier = config.after.as_deref().map(|dir| EarlierScan::open(dir, &begin.cancel)).transpose()?;
         let session = match &earlier {
             Some(earlier) => session.after(earlier.shown.clone()),

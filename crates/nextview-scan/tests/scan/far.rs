@@ -5,7 +5,7 @@ use glam::DVec3;
 use nextview::map::Octree;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    RunOptions, BoxRule, ScanState, MapSummary, ObjectBoxConfig, Results, ScanConfig, ScanRecord, ScanRun,
+    BoxRule, MapSummary, ObjectBoxConfig, Results, RunOptions, ScanConfig, ScanRecord, ScanRun, ScanState,
     SimulatedObject, Simulation, begin_results, write_results,
 };
 use std::fmt::Write as _;

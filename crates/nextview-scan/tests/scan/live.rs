@@ -9,9 +9,9 @@ use nextview::sensor::{ColorImage, Depth, DepthImage, Frame};
 use nextview::session::StopReason;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    RunOptions, BoxRule, FaultKind, ScanState, LiveConfig, LiveFrame, LiveScan, ObjectBoxConfig, PlannerName,
-    ScanConfig, ScanJournal, ScanRecord, ScanRun, SimulatedObject, Simulation, SourceConfig, TableRule,
-    UnitName, begin_results, write_results,
+    BoxRule, FaultKind, LiveConfig, LiveFrame, LiveScan, ObjectBoxConfig, PlannerName, RunOptions,
+    ScanConfig, ScanJournal, ScanRecord, ScanRun, ScanState, SimulatedObject, Simulation, SourceConfig,
+    TableRule, UnitName, begin_results, write_results,
 };
 use nextview_sim::evaluator;
 use std::path::Path;

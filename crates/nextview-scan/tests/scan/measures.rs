@@ -6,7 +6,7 @@ use nextview::geometry::Pose;
 use nextview::session::StopConfig;
 use nextview_model::SurfaceMesh;
 use nextview_scan::{
-    RunOptions, BoxRule, FrameSource, Measured, NoiseConfig, NoiseModel, PlannerName, ScanConfig, ScanRecord,
+    BoxRule, FrameSource, Measured, NoiseConfig, NoiseModel, PlannerName, RunOptions, ScanConfig, ScanRecord,
     ScanRun, SimulatedObject, Simulation, TableRule, Truth,
 };
 use nextview_sim::mesh::sample_surface;

@@ -3,7 +3,7 @@
 use nextview::Cancel;
 use nextview::surface::LooksGoal;
 use nextview_scan::{
-    RunOptions, FinalModel, LiveScan, Measured, ModelConfig, PlannerName, ScanConfig, ScanRecord, ScanRun,
+    FinalModel, LiveScan, Measured, ModelConfig, PlannerName, RunOptions, ScanConfig, ScanRecord, ScanRun,
     SensorName, SimulatedObject, Simulation,
 };
 

@@ -6,8 +6,8 @@ use nextview::Cancel;
 use nextview::geometry::Pose;
 use nextview::session::StopReason;
 use nextview_scan::{
-    RunOptions, FrameSource, Next, ObjectBoxConfig, RobotConfig, ScanConfig, ScanRun, SimulatedObject, Simulation,
-    TableRule, result_file,
+    FrameSource, Next, ObjectBoxConfig, RobotConfig, RunOptions, ScanConfig, ScanRun, SimulatedObject,
+    Simulation, TableRule, result_file,
 };
 
 /// A UR5e beside a mug on a table, with the camera 5 cm before its flange.
@@ -75,7 +75,8 @@ fn the_same_scan_after_an_interruption() {
     whole.drive(|_| Ok(())).unwrap();
 
     let mut run =
-        ScanRun::begin(&source, &config, RunOptions { journal: journal(), cancel: Cancel::default() }).unwrap();
+        ScanRun::begin(&source, &config, RunOptions { journal: journal(), cancel: Cancel::default() })
+            .unwrap();
     let cancel = run.session().cancel().clone();
     let mut n = 0;
     run.drive(|_| {

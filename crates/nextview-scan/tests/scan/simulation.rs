@@ -9,8 +9,8 @@ use nextview::sensor::ColorImage;
 use nextview::session::{NextView, Session};
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    RunOptions, Captured, Evaluator, Fault, Faults, ScanState, FrameSource, Measured, Next, NoiseModel,
-    PlannerName, Results, ScanConfig, ScanRecord, ScanRun, SimulatedObject, Simulation, SizeOf, StepRecord,
+    Captured, Evaluator, Fault, Faults, FrameSource, Measured, Next, NoiseModel, PlannerName, Results,
+    RunOptions, ScanConfig, ScanRecord, ScanRun, ScanState, SimulatedObject, Simulation, SizeOf, StepRecord,
     TableRule, Truth, ViewSpaceName, begin_results, write_results,
 };
 

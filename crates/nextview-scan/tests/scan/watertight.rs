@@ -4,7 +4,7 @@ use crate::common::meshes;
 use glam::DVec3;
 use nextview_model::SurfaceMesh;
 use nextview_scan::{
-    RunOptions, BoxRule, FinalModel, Measured, ModelConfig, NoiseConfig, NoiseModel, ScanConfig, ScanRecord,
+    BoxRule, FinalModel, Measured, ModelConfig, NoiseConfig, NoiseModel, RunOptions, ScanConfig, ScanRecord,
     ScanRun, SimulatedObject, Simulation, TableRule,
 };
 use nextview_sim::mesh::{Unit, load};

@@ -17,7 +17,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use nextview_scan::Fault;
 use patient::Patient;
-use places::{HeldPlace, Places, ActingSide};
+use places::{ActingSide, HeldPlace, Places};
 use std::convert::Infallible;
 use std::future::Future;
 use std::panic::AssertUnwindSafe;

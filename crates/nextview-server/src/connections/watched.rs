@@ -1,4 +1,4 @@
-use super::places::{HeldPlace, ActingSide};
+use super::places::{ActingSide, HeldPlace};
 use hyper::body::{Body, Frame, SizeHint};
 use std::pin::Pin;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Actual and wanted pose of a hand-held camera.
 
 use super::route::{Content, Doc, Method, Route};
-use crate::answers::{GuidanceAnswer, Place, Tracking};
+use crate::answers::{CameraPose, GuidanceAnswer, Tracking};
 use crate::app::App;
 use crate::body::receive_json;
 use crate::frames::{FrameQuery, receive_frame};
@@ -27,7 +27,7 @@ pub(super) fn routes() -> Vec<Route> {
     vec![
         Route::new("/scans/{id}/guidance").on(
             Method::Post,
-            guidance.taking(Content::json::<Place>()),
+            guidance.taking(Content::json::<CameraPose>()),
             post_guidance,
         ),
         Route::new("/scans/{id}/locate").on(Method::Post, locate, post_locate),
@@ -41,7 +41,7 @@ async fn post_guidance(
     body: Body,
 ) -> Result<Json<GuidanceAnswer>, Refusal> {
     let scan = app.scans.find(&id)?;
-    let place: Place = receive_json(&app, &headers, body, "the pose of the camera").await?;
+    let place: CameraPose = receive_json(&app, &headers, body, "the pose of the camera").await?;
     let pose = pose_of_rows("world_from_camera", &place.world_from_camera).map_err(Refusal::content)?;
     let listened = scan.clone();
     let answer = scan.with(move |work| guided(work.under_way()?.0, &pose, &listened));

@@ -1,7 +1,7 @@
 use super::route::{Content, Doc, Method, Route};
 use crate::app::App;
 use crate::refusal::Refusal;
-use crate::scans::{Picture, Shown, Work, kept_page};
+use crate::scans::{PageContent, Picture, Work, kept_page};
 use axum::extract::{Path, Query, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -46,11 +46,11 @@ async fn get_scene(
     let scan = app.scans.find(&id)?;
     let shown = |work: &mut Work| {
         if work.is_finished() {
-            return Ok(Shown::Finished(kept_page::scene(work.dir())?));
+            return Ok(PageContent::Finished(kept_page::scene(work.dir())?));
         }
         let next = if work.about.is_paused { None } else { work.next_view()? };
         let (scan, _) = work.under_way()?;
-        Ok(Shown::UnderWay(Box::new(SceneSource::of_scan(scan.scan(), scan.config(), next))))
+        Ok(PageContent::UnderWay(Box::new(SceneSource::of_scan(scan.scan(), scan.config(), next))))
     };
     let scene = scan.scene(shown, after).await?;
     Ok(([(header::CONTENT_TYPE, "application/json")], scene).into_response())

@@ -15,6 +15,6 @@ pub(crate) use events::{EventStream, Told};
 pub(crate) use folder::ScansFolder;
 pub(crate) use kept_page::Picture;
 pub(crate) use registry::Scans;
-pub(crate) use scan::{Scan, PageContent};
+pub(crate) use scan::{PageContent, Scan};
 pub(crate) use summary::{ScanPhase, ScanSummary};
 pub(crate) use work::Work;

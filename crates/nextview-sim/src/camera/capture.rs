@@ -1,6 +1,6 @@
 use super::look::Look;
 use super::simulated_camera::SimulatedCamera;
-use crate::noise::{SensorNoise, Readings, Use, Waves};
+use crate::noise::{Readings, SensorNoise, Use, Waves};
 use nextview::Error;
 use nextview::geometry::Pose;
 use nextview::sensor::{DepthImage, Frame};

@@ -72,7 +72,13 @@ impl ProjectedCluster {
 
     /// Projects another cluster.
     #[inline(always)]
-    pub fn project(&mut self, list: &DrawList, cluster: &Cluster, to_camera: ToCamera, locator: &PixelLocator) {
+    pub fn project(
+        &mut self,
+        list: &DrawList,
+        cluster: &Cluster,
+        to_camera: ToCamera,
+        locator: &PixelLocator,
+    ) {
         let vertices = &list.vertices[cluster.vertices.clone()];
         let n = vertices.len();
         let (x, y) = (&mut self.x[..n], &mut self.y[..n]);

@@ -19,7 +19,11 @@ use std::ops::Range;
 
 /// 1 / depth of the nearest surface at every sample; 0 where there is none, infinite where there is no
 /// sample.
-pub(super) fn nearest_surfaces(samples: &ImageSamples, list: &DrawList, world_from_camera: &Pose) -> Vec<Chunk> {
+pub(super) fn nearest_surfaces(
+    samples: &ImageSamples,
+    list: &DrawList,
+    world_from_camera: &Pose,
+) -> Vec<Chunk> {
     let to_camera = ToCamera::new(world_from_camera);
     Arch::new().dispatch(Raster { samples, list, to_camera })
 }
@@ -159,7 +163,8 @@ fn draw_chunk<S: Simd>(
 ) {
     const NUMBERS: Chunk = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
     let (x, y, numbers) = (S::as_simd_f64s(x).0, S::as_simd_f64s(y).0, S::as_simd_f64s(&NUMBERS).0);
-    let (a, b, c) = (TriangleCorner::new(simd, a), TriangleCorner::new(simd, b), TriangleCorner::new(simd, c));
+    let (a, b, c) =
+        (TriangleCorner::new(simd, a), TriangleCorner::new(simd, b), TriangleCorner::new(simd, c));
     let (first, end) = (simd.splat_f64s(lanes.start), simd.splat_f64s(lanes.end));
     let zero = simd.splat_f64s(0.0);
     for (i, nearest) in S::as_mut_simd_f64s(nearest).0.iter_mut().enumerate() {

@@ -30,7 +30,12 @@ pub(super) fn check_holds_camera(room: &Aabb, world_from_camera: &Pose) -> Resul
 }
 
 /// Puts the walls at the samples where no surface is, as 1 / depth. The camera must be inside.
-pub(super) fn add_walls(room: &Aabb, samples: &ImageSamples, world_from_camera: &Pose, nearest: &mut [Chunk]) {
+pub(super) fn add_walls(
+    room: &Aabb,
+    samples: &ImageSamples,
+    world_from_camera: &Pose,
+    nearest: &mut [Chunk],
+) {
     let origin = world_from_camera.translation();
     let rotation = world_from_camera.rotation_matrix();
     let (to_low, to_high) = (1.0 / (room.min - origin), 1.0 / (room.max - origin));

@@ -183,7 +183,11 @@ struct MeasuredSamples {
     given_up: FixedBitSet,
 }
 
-fn state(part: &PlacedPart<'_>, situation: &Situation<'_>, n_samples: usize) -> Result<MeasuredSamples, Error> {
+fn state(
+    part: &PlacedPart<'_>,
+    situation: &Situation<'_>,
+    n_samples: usize,
+) -> Result<MeasuredSamples, Error> {
     let mut measured = FixedBitSet::with_capacity(n_samples);
     let mut n_attempts = vec![0_u8; n_samples];
     for frame in situation.frames() {

@@ -130,7 +130,13 @@ fn second(line: &NumberedLine) -> Result<f32, SimError> {
 
 /// Part `part` of a corner such as `7`, `7/2`, `7/2/3` or `-1`, counted from 0. Numbers count from 1, or
 /// backwards from the last one before the face.
-fn number(line: &NumberedLine, word: &[u8], part: usize, n_defined: usize, what: &str) -> Result<u32, SimError> {
+fn number(
+    line: &NumberedLine,
+    word: &[u8],
+    part: usize,
+    n_defined: usize,
+    what: &str,
+) -> Result<u32, SimError> {
     let number = word.split(|&byte| byte == b'/').nth(part).unwrap_or_default();
     let stated: i64 = str::from_utf8(number)
         .ok()

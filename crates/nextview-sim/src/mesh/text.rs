@@ -14,7 +14,9 @@ pub(super) struct NumberedLine<'a> {
 /// first line has the number `first_number`.
 pub(super) fn lines(text: &[u8], first_number: usize) -> impl Iterator<Item = NumberedLine<'_>> {
     let lines = text.split(|&byte| byte == b'\n').zip(first_number..);
-    lines.map(|(line, number)| NumberedLine { number, words: words(line) }).filter(|line| !line.words.is_empty())
+    lines
+        .map(|(line, number)| NumberedLine { number, words: words(line) })
+        .filter(|line| !line.words.is_empty())
 }
 
 /// The statements of a text in which a backslash at the end of a line continues it in the next one, as in OBJ

@@ -34,7 +34,13 @@ impl Readings {
     }
 
     /// Adds flying pixels, if the noise has any, in an image of this width.
-    pub fn with_flying(mut self, noise: &SensorNoise, exact: &[f32], width: u32, random: &mut Random) -> Self {
+    pub fn with_flying(
+        mut self,
+        noise: &SensorNoise,
+        exact: &[f32],
+        width: u32,
+        random: &mut Random,
+    ) -> Self {
         if noise.flying_share > 0.0 {
             self.flying = flying(noise, exact, width as usize, &self.pixels, random);
             self.flying.iter().for_each(|flying| self.pixels[flying.pixel as usize] = None);

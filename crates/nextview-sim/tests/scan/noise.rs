@@ -8,7 +8,7 @@ use nextview::sensor::{Depth, Frame, Intrinsics};
 use nextview::session::{Session, SessionConfig};
 use nextview::view::{ViewSpace, generate};
 use nextview_sim::builtin;
-use nextview_sim::noise::{SensorNoise, Noise, PoseError};
+use nextview_sim::noise::{Noise, PoseError, SensorNoise};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use rayon::prelude::*;

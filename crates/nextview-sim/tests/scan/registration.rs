@@ -13,7 +13,7 @@ use nextview::session::{Session, SessionConfig, StepReport};
 use nextview::view::{ViewSpace, generate, look_at};
 use nextview_sim::camera::{Background, SimulatedCamera};
 use nextview_sim::mesh::TriangleMesh;
-use nextview_sim::noise::{SensorNoise, Noise, PoseError};
+use nextview_sim::noise::{Noise, PoseError, SensorNoise};
 use nextview_sim::random_object::random_object;
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::ObjectVoxels;

@@ -10,7 +10,7 @@ use nextview::session::shown_object;
 use nextview::view::generate;
 use nextview_sim::builtin;
 use nextview_sim::mesh::TriangleMesh;
-use nextview_sim::noise::{SensorNoise, Noise};
+use nextview_sim::noise::{Noise, SensorNoise};
 use nextview_sim::quality::TrueSurface;
 use nextview_sim::scene::Scene;
 use std::f64::consts::PI;

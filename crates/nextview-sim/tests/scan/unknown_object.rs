@@ -12,7 +12,7 @@ use nextview::session::{
 };
 use nextview::view::{Reach, ViewSpace, generate, look_at};
 use nextview_sim::builtin;
-use nextview_sim::noise::{SensorNoise, Noise, PoseError};
+use nextview_sim::noise::{Noise, PoseError, SensorNoise};
 use nextview_sim::scene::Scene;
 use nextview_sim::truth::{ObjectVoxels, TrueVisibility};
 use std::sync::Arc;

@@ -4,7 +4,7 @@ use super::brick::CELLS;
 use super::integration::{Integration, MapUpdate};
 use super::key_box::KeyBox;
 use super::marks::{HIT, MISS, Marks};
-use super::scan::{VoxelScan, ScanRules};
+use super::scan::{ScanRules, VoxelScan};
 use super::{LogOdds, OccupancyMap, SensorModel};
 use crate::geometry::check_position;
 use crate::instructions::instructions;

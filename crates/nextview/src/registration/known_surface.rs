@@ -1,5 +1,5 @@
 use super::camera::FrameCamera;
-use super::fitting::{PoseComparison, Fitting};
+use super::fitting::{Fitting, PoseComparison};
 use super::gauge::motion_to_given;
 use super::icp::{SearchReach, pairs};
 use super::joint::{self, JointView};
@@ -192,7 +192,12 @@ impl KnownSurface {
 }
 
 /// Adds the points of a view to the pools of their cells.
-fn pool(view: &JointView, lattice: &Lattice, slots: &mut FxHashMap<(IVec3, u8), usize>, pools: &mut Vec<CellPool>) {
+fn pool(
+    view: &JointView,
+    lattice: &Lattice,
+    slots: &mut FxHashMap<(IVec3, u8), usize>,
+    pools: &mut Vec<CellPool>,
+) {
     for point in view.world_points() {
         let slot = *slots.entry((lattice.key(point.position), side(point.normal))).or_insert(pools.len());
         if slot == pools.len() {

@@ -5,8 +5,8 @@
 
 mod camera_axes;
 mod color_image;
-mod depth_noise;
 mod depth_image;
+mod depth_noise;
 mod depth_range;
 mod distortion;
 mod frame;
@@ -19,8 +19,8 @@ mod surface_noise;
 
 pub use camera_axes::CameraAxes;
 pub use color_image::ColorImage;
-pub use depth_noise::DepthNoise;
 pub use depth_image::{Depth, DepthImage};
+pub use depth_noise::DepthNoise;
 pub use depth_range::DepthRange;
 pub use distortion::Distortion;
 pub use frame::Frame;

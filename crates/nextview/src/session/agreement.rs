@@ -1,5 +1,5 @@
 use crate::geometry::Aabb;
-use crate::registration::{Comparison, KnownSurface, Registration, RegistrationConfig, Verdict};
+use crate::registration::{KnownSurface, PoseComparison, Registration, RegistrationConfig, Verdict};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 
@@ -39,7 +39,7 @@ impl Agreement {
     /// Returns the distance between its surface and that of the others, metres, if the given poses are wrong:
     /// if this frame shows it clearly, or if at least two frames and more than half of them do. A single
     /// frame may have slid.
-    pub fn add(&mut self, compared: &Comparison, spacing: f64) -> Option<f64> {
+    pub fn add(&mut self, compared: &PoseComparison, spacing: f64) -> Option<f64> {
         self.n_compared += (compared.found.overlap >= LEAST_OVERLAP) as usize;
         let is_wrong = is_wrong(compared, spacing);
         self.n_wrong += is_wrong as usize;
@@ -54,7 +54,7 @@ impl Agreement {
 /// The distance that remains after the alignment is sensor noise and the coarseness of the points. A wrong
 /// pose adds more than that to the squared distances, and the camera need not move much farther than the
 /// surfaces are apart. With right poses, an alignment removes 1 to 5 %.
-fn is_wrong(&Comparison { found, apart }: &Comparison, spacing: f64) -> bool {
+fn is_wrong(&PoseComparison { found, apart }: &PoseComparison, spacing: f64) -> bool {
     let removed_sq = apart.powi(2) - found.residual_after.powi(2);
     found.verdict != Verdict::NoBetter
         && found.overlap >= LEAST_OVERLAP
@@ -106,7 +106,7 @@ mod tests {
 
     /// A frame with these distances to the others before and after an alignment, and the camera's motion,
     /// all in millimetres.
-    fn compared(apart: f64, after: f64, moved: f64) -> Comparison {
+    fn compared(apart: f64, after: f64, moved: f64) -> PoseComparison {
         let found = Registration {
             world_from_camera: Pose::IDENTITY,
             verdict: Verdict::Aligned,
@@ -119,11 +119,11 @@ mod tests {
             stiffness: 0.1,
             n_iterations: 5,
         };
-        Comparison { found, apart: 1e-3 * apart }
+        PoseComparison { found, apart: 1e-3 * apart }
     }
 
     /// For each frame, whether it shows that the poses are wrong.
-    fn shown(frames: &[Comparison]) -> Vec<bool> {
+    fn shown(frames: &[PoseComparison]) -> Vec<bool> {
         let mut agreement = Agreement::default();
         frames.iter().map(|compared| agreement.add(compared, 0.005).is_some()).collect()
     }
@@ -141,8 +141,9 @@ mod tests {
     fn a_frame_that_slides_or_hardly_overlaps_shows_nothing() {
         let slid = compared(4.0, 1.0, 30.0);
         let clear = compared(4.0, 1.0, 6.0);
-        let beside = Comparison { found: Registration { overlap: 0.2, ..clear.found }, ..clear };
-        let worse = Comparison { found: Registration { verdict: Verdict::NoBetter, ..clear.found }, ..clear };
+        let beside = PoseComparison { found: Registration { overlap: 0.2, ..clear.found }, ..clear };
+        let worse =
+            PoseComparison { found: Registration { verdict: Verdict::NoBetter, ..clear.found }, ..clear };
         let slight = compared(0.4, 0.1, 0.4);
         assert_eq!(shown(&[slid, slid, beside, beside, worse, worse, slight, slight]), [false; 8]);
     }

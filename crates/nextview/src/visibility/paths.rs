@@ -61,7 +61,8 @@ impl Paths {
         let (zero, one, outside) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0), simd.splat_f64s(OUTSIDE));
         let fade_limit = simd.splat_f64s(fade_limit as f64);
         let [x, y, z] = &packet.axes;
-        let mut axes = [PathAxis::<S>::load(x, part), PathAxis::<S>::load(y, part), PathAxis::<S>::load(z, part)];
+        let mut axes =
+            [PathAxis::<S>::load(x, part), PathAxis::<S>::load(y, part), PathAxis::<S>::load(z, part)];
         let mut index = load::<S>(&packet.index, part);
         let mut visibility = [1.0; LANES];
         let (mut len, mut n_clear) = (outside, outside);

@@ -8,7 +8,9 @@ use nextview::Cancel;
 use nextview::gain::ProximityCount;
 use nextview::geometry::{Aabb, Lattice, Plane, Pose, SegmentWalk, VoxelBlock, fit_ground};
 use nextview::map::{Background, Integration, LogOdds, OccupancyMap, Octree, RayRule, SensorModel, Snapshot};
-use nextview::motion::{KeepOut, MotionConfig, Profile, Surroundings, Trajectory, detour, tour, tour_length};
+use nextview::motion::{
+    KeepOut, MotionConfig, SpeedProfile, Surroundings, Trajectory, detour, tour, tour_length,
+};
 use nextview::object::{ObjectBox, Table};
 use nextview::planner::{
     Batch, BatchConfig, Greedy, GreedyConfig, InOrder, MaxFlow, MaxFlowConfig, MinOverlap, MostSurface,
@@ -185,7 +187,7 @@ proptest! {
                 }
             }
         }
-        let profile = Profile::new(x, y, x);
+        let profile = SpeedProfile::new(x, y, x);
         let _ = (profile.duration(), profile.distance_at(y), profile.time_at(y));
     }
 

@@ -10,7 +10,7 @@ use nextview::planner::{
     Choice, EvenViews, InOrder, Itinerary, Leg, MinOverlap, Outlook, Plan, RandomViews, Situation,
     ViewPlanner,
 };
-use nextview::sensor::{DepthNoise, DepthImage, Frame, Intrinsics, SurfaceNoise};
+use nextview::sensor::{DepthImage, DepthNoise, Frame, Intrinsics, SurfaceNoise};
 use nextview::session::{
     Decision, MultiResolutionConfig, NextView, Session, SessionConfig, StepReport, StopConfig, StopReason,
 };

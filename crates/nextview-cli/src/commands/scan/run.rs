@@ -5,7 +5,7 @@ use nextview::Cancel;
 use nextview_report::{heading, page_of_scan, step_line, summary_text};
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    RunOptions, Fault, FrameSource, Interrupted, RecordedScan, Results, ScanConfig, ScanFolder, ScanJournal,
+    Fault, FrameSource, Interrupted, RecordedScan, Results, RunOptions, ScanConfig, ScanFolder, ScanJournal,
     ScanRecord, ScanRun, SimulatedObject, Simulation, SourceConfig, Truth, begin_results, write_results,
 };
 use std::io::Write;
@@ -125,7 +125,8 @@ fn drive(
     is_json: bool,
 ) -> Result<(String, ScanRecord), Failure> {
     let ScanFolder { dir, heading, journal, mut results } = folder;
-    let mut run = ScanRun::begin(source, config, RunOptions { journal: Some(journal), ..RunOptions::default() })?;
+    let mut run =
+        ScanRun::begin(source, config, RunOptions { journal: Some(journal), ..RunOptions::default() })?;
     let progress = Progress::new("scanning", config.views.unwrap_or_default());
     let mut printed = Ok(());
     let stop_reason = run.drive(|step| {

@@ -75,7 +75,8 @@ impl TransformTree {
             return Err(invalid(parent, child, problem));
         }
         self.check(parent, child)?;
-        let new = || TransformEdge { parent: parent.to_owned(), kind: EdgeKind::Moving(TimedPoses::default()) };
+        let new =
+            || TransformEdge { parent: parent.to_owned(), kind: EdgeKind::Moving(TimedPoses::default()) };
         let edge = self.edges.entry(child.to_owned()).or_insert_with(new);
         let EdgeKind::Moving(motion) = &mut edge.kind else {
             return Err(TransformError::BothKinds { frame: child.to_owned() });

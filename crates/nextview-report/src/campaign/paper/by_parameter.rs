@@ -2,7 +2,7 @@
 //!
 //! Variants belong in one table if their configurations differ only in the parameters of its axes.
 
-use super::axis::{ParameterAxis, GAMMA, HISTORY, METHOD, MULTI, Q_THRESH, THETA, configuration, remove};
+use super::axis::{GAMMA, HISTORY, METHOD, MULTI, ParameterAxis, Q_THRESH, THETA, configuration, remove};
 use super::published::{self, COVERAGE, MOVEMENT, Published, TIME};
 use crate::campaign::document::{Cell, Column, Row, Table};
 use nextview_campaign::statistics::{Study, StudyVariant};

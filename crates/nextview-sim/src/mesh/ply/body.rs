@@ -1,4 +1,4 @@
-use super::header::{Element, PlyFormat, PlyHeader, NumberType, Property};
+use super::header::{Element, NumberType, PlyFormat, PlyHeader, Property};
 use crate::SimError;
 use crate::mesh::text::{NumberedLine, lines};
 

@@ -20,7 +20,11 @@ pub(super) struct GreedyCoverage {
 /// Since gains only fall, the value of the best choice is at most the value of the sets taken so far plus the
 /// `n_sets` largest gains; the smallest such sum is the bound. For the same reason, most gains need not be
 /// computed again (Minoux 1978).
-pub(super) fn greedy(values: &SetValues, n_sets: usize, cancel: &Cancel) -> Result<GreedyCoverage, Cancelled> {
+pub(super) fn greedy(
+    values: &SetValues,
+    n_sets: usize,
+    cancel: &Cancel,
+) -> Result<GreedyCoverage, Cancelled> {
     let mut selection = Selection::new(values);
     let mut offers = first_offers(&selection, cancel)?;
     let (mut value, mut sets) = (0.0, Vec::new());

@@ -1,7 +1,7 @@
 use super::header::{Encoding, write_header};
 use super::node_reader::NodeReader;
 use super::preorder::DEPTH;
-use super::tree::{StoredNode, Octree};
+use super::tree::{Octree, StoredNode};
 use crate::Error;
 use crate::map::{LogOdds, SensorModel};
 use std::io::{BufWriter, Read, Write};

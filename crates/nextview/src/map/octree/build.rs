@@ -1,5 +1,5 @@
 use super::preorder::{DEPTH, KEY_OFFSET};
-use super::tree::{StoredNode, Octree, TreeKind};
+use super::tree::{Octree, StoredNode, TreeKind};
 use crate::Error;
 use crate::geometry::{Lattice, VoxelKey, local_origin};
 use glam::IVec3;

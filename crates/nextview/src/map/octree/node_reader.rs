@@ -1,6 +1,6 @@
 use super::header::MapHeader;
 use super::source::{TrackedFile, error_at};
-use super::tree::{StoredNode, Octree};
+use super::tree::{Octree, StoredNode};
 use crate::Error;
 use std::io::Read;
 

@@ -1,5 +1,5 @@
 use super::preorder::{NodeCube, Preorder};
-use super::tree::{Leaf, StoredNode, Octree, TreeKind};
+use super::tree::{Leaf, Octree, StoredNode, TreeKind};
 
 impl Octree {
     /// Returns the leaves in preorder: octant by octant, x varying fastest, then y, then z.

@@ -1,7 +1,7 @@
 use super::header::{Encoding, write_header};
 use super::node_reader::NodeReader;
 use super::preorder::{DEPTH, Preorder};
-use super::tree::{StoredNode, Octree, TreeKind};
+use super::tree::{Octree, StoredNode, TreeKind};
 use crate::Error;
 use std::io::{BufWriter, Read, Write};
 

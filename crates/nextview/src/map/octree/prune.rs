@@ -1,5 +1,5 @@
 use super::preorder::DEPTH;
-use super::tree::{StoredNode, Octree, TreeKind};
+use super::tree::{Octree, StoredNode, TreeKind};
 use crate::Error;
 use std::borrow::Cow;
 

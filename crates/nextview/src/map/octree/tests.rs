@@ -2,7 +2,7 @@
 
 use super::header::Encoding;
 use super::preorder::{DEPTH, Preorder};
-use super::tree::{StoredNode, Octree, TreeKind};
+use super::tree::{Octree, StoredNode, TreeKind};
 use glam::IVec3;
 use proptest::prelude::*;
 use std::collections::BTreeMap;

@@ -1,8 +1,8 @@
 mod doubt;
 mod forecast;
-mod setting;
 mod second_look;
 mod second_view;
+mod setting;
 
 use super::utility::{self, Utility};
 use super::{Choice, Outlook, Plan, Situation, ViewPlanner};
@@ -12,8 +12,8 @@ use crate::prior::{SurfacePrior, coarse_enough};
 use crate::visibility::MeasuredParts;
 use crate::{Cancelled, Error};
 use doubt::Doubt;
-use setting::Setting;
 use serde::{Deserialize, Serialize};
+use setting::Setting;
 
 /// Parameters of [`MostSurface`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -23,7 +23,8 @@ const LEAST_VARIANCE: f64 = 0.25;
 /// from a start by k-means++ (Arthur & Vassilvitskii 2007) with a fixed seed.
 pub(super) fn clusters(points: &[DVec3], cancel: &Cancel) -> Result<Vec<Vec<usize>>, Cancelled> {
     let sizes = (1..=MOST_COMPONENTS.min(points.len())).into_par_iter();
-    let fits: Vec<MixtureFit> = sizes.map(|n| MixtureFit::new(points, n, cancel)).collect::<Result<_, Cancelled>>()?;
+    let fits: Vec<MixtureFit> =
+        sizes.map(|n| MixtureFit::new(points, n, cancel)).collect::<Result<_, Cancelled>>()?;
     let best = fits.into_iter().reduce(|best, fit| if fit.bic() < best.bic() { fit } else { best });
     let mut clusters = vec![Vec::new(); MOST_COMPONENTS];
     for point in 0..points.len() {

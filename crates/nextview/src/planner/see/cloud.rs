@@ -203,8 +203,9 @@ pub(super) mod tests {
         let classes = |cloud: &DensityCloud| cloud.classes(&Cancel::default()).unwrap();
         let frontier = |directions: &[DVec3]| {
             let cloud = cloud(directions);
-            let is_frontier =
-                |(point, class): (&DVec3, PointClass)| (class == PointClass::Frontier).then_some(*point - 0.08);
+            let is_frontier = |(point, class): (&DVec3, PointClass)| {
+                (class == PointClass::Frontier).then_some(*point - 0.08)
+            };
             cloud.points.iter().zip(classes(&cloud)).filter_map(is_frontier).collect::<Vec<_>>()
         };
         assert_eq!(frontier(&ALL_AROUND), []);

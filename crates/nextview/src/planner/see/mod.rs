@@ -3,7 +3,7 @@ mod grid;
 
 use super::{Choice, Plan, Situation, ViewPlanner};
 use crate::{Cancelled, Error};
-use cloud::{PointClass, DensityCloud};
+use cloud::{DensityCloud, PointClass};
 use glam::DVec3;
 use rayon::prelude::*;
 
