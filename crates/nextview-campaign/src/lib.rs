@@ -17,8 +17,6 @@
 pub mod execution;
 mod failed_runs;
 mod host;
-#[cfg(test)]
-mod made_up;
 mod record;
 mod runs;
 mod seeds;
@@ -26,6 +24,8 @@ mod shard;
 mod spec;
 pub mod statistics;
 pub mod store;
+#[cfg(test)]
+mod synthetic;
 pub mod tables;
 
 pub use failed_runs::FailedRuns;

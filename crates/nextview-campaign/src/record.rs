@@ -102,24 +102,24 @@ fn timeless(result: &RunResult) -> RunResult {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made_up;
+    use crate::synthetic;
 
     #[test]
     fn times_and_memory_are_no_results() {
-        let run = made_up::campaign(&["a"], 1).remove(0);
+        let run = synthetic::campaign(&["a"], 1).remove(0);
         let mut other = run.clone();
-        let done = made_up::done_mut(&mut other);
+        let done = synthetic::done_mut(&mut other);
         done.extra_memory_mb = None;
         done.record.peak_memory_mb = Some(7.0);
         done.record.steps[1].plan_time_ms += 1.0;
         assert!(run != other && run.has_same_results(&other));
-        made_up::done_mut(&mut other).record.steps[1].entropy_nats += 1.0;
+        synthetic::done_mut(&mut other).record.steps[1].entropy_nats += 1.0;
         assert!(!run.has_same_results(&other));
     }
 
     #[test]
     fn what_is_written_reads_back_to_the_same_bits() {
-        let mut runs = made_up::campaign(&["a", "b"], 2);
+        let mut runs = synthetic::campaign(&["a", "b"], 2);
         runs[1].result = RunResult::Failed("no \"luck\"\n".to_owned());
         for run in runs {
             let line = serde_json::to_string(&run).unwrap();

@@ -1,6 +1,6 @@
 use super::reading::OpenSpec;
 use super::*;
-use crate::made_up;
+use crate::synthetic;
 use nextview_scan::Fault;
 use std::fs;
 use std::path::Path;
@@ -182,7 +182,7 @@ fn first_views_and_sets_of_candidates_are_checked() {
 /// A specification without any of the newer keys, as written by earlier builds.
 #[test]
 fn specifications_and_their_copies_read_back() {
-    let folder = made_up::folder("spec-copies");
+    let folder = synthetic::folder("spec-copies");
     for text in [
         "name = \"x\"",
         "name = \"x\"\nseeds = [0, 1]\nfirst_views = [0, 7]",
@@ -199,7 +199,7 @@ fn specifications_and_their_copies_read_back() {
 
 #[test]
 fn paths_become_whole() {
-    let folder = made_up::folder("spec-paths");
+    let folder = synthetic::folder("spec-paths");
     for name in ["b.ply", "a.ply", "c.stl"] {
         fs::write(folder.join(name), "").unwrap();
     }

@@ -174,7 +174,7 @@ fn keyed(runs: &[MeasuredRun], measure: &Measure) -> Vec<((u64, u64, usize), f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made_up::{campaign, steps_mut};
+    use crate::synthetic::{campaign, steps_mut};
 
     #[test]
     fn runs_of_one_object_are_averaged_first() {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::made_up::{campaign, done_mut, steps_mut, stored};
+use crate::synthetic::{campaign, done_mut, steps_mut, stored};
 use crate::{RunRecord, RunResult};
 
 /// The comparison of two folders with these records.

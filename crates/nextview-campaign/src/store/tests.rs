@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Run, RunRecord, RunResult, Shard, Spec, made_up};
+use crate::{Run, RunRecord, RunResult, Shard, Spec, synthetic};
 use nextview_scan::Faults;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ fn record(run: &Run) -> RunRecord {
         view_seed: run.id.view_seed,
         first_view: run.id.first_view,
         config: run.config.clone(),
-        ..made_up::campaign(&["a"], 1).remove(0)
+        ..synthetic::campaign(&["a"], 1).remove(0)
     }
 }
 
@@ -41,7 +41,7 @@ struct Folder(PathBuf);
 
 impl Folder {
     fn new(name: &str) -> Self {
-        let dir = made_up::folder(name);
+        let dir = synthetic::folder(name);
         fs::write(dir.join(Spec::FILE), spec().to_toml().unwrap()).unwrap();
         Self(dir)
     }
@@ -151,8 +151,8 @@ fn equal_repeated_records_count_once() {
     let records = records_of_spec();
     let mut again = records[1].clone();
     again.host.name = "another".to_owned();
-    made_up::done_mut(&mut again).extra_memory_mb = None;
-    made_up::steps_mut(&mut again)[2].plan_time_ms += 1.0;
+    synthetic::done_mut(&mut again).extra_memory_mb = None;
+    synthetic::steps_mut(&mut again)[2].plan_time_ms += 1.0;
     let text: String = [&records[1], &records[0], &again].map(line).concat();
     let folder = Folder::new("equal").with(&text);
     assert_eq!(read(&folder.0).unwrap().runs.len(), 2);
@@ -171,7 +171,7 @@ fn unequal_repeated_records_name_both_lines() {
         let folder = Folder::new("unequal").with([&records[1], &records[0], &again].map(line).concat());
         (read(&folder.0).unwrap_err().to_string(), again, folder)
     };
-    let (fault, again, folder) = unequal(|run| made_up::steps_mut(run)[2].entropy_nats += 1.0);
+    let (fault, again, folder) = unequal(|run| synthetic::steps_mut(run)[2].entropy_nats += 1.0);
     for fault in [fault, folder.resume().unwrap_err().to_string()] {
         assert!(fault.contains("runs.jsonl, line 3, column 1: lines 1 and 3 have different"), "{fault}");
         assert!(

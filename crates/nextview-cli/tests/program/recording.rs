@@ -1,4 +1,4 @@
-//! A made-up recording: what a simulated camera saw of a mug.
+//! A synthetic recording: what a simulated camera saw of a mug.
 
 use crate::common::Folder;
 use glam::{DVec2, DVec3};

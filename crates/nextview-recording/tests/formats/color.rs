@@ -1,7 +1,7 @@
 //! Colour images beside the depth.
 
 use crate::jpeg::jpeg;
-use crate::made_up::{Folder, MadeUp, png};
+use crate::synthetic::{Folder, MadeUp, png};
 use nextview_recording::{Recording, RecordingError};
 use png::{BitDepth, ColorType};
 use std::fs;
@@ -58,12 +58,12 @@ fn a_folder_may_have_colour() {
 #[test]
 fn colour_may_be_jpeg() {
     let folder = Folder::new("color-jpeg");
-    let mut made_up = MadeUp::new(1);
-    made_up.camera =
-        nextview::sensor::Intrinsics::pinhole(80, 64, made_up.camera.focal(), made_up.camera.center())
+    let mut synthetic = MadeUp::new(1);
+    synthetic.camera =
+        nextview::sensor::Intrinsics::pinhole(80, 64, synthetic.camera.focal(), synthetic.camera.center())
             .unwrap();
-    made_up.images[0].extend([0; 80 * 4]);
-    made_up.write_folder(&folder);
+    synthetic.images[0].extend([0; 80 * 4]);
+    synthetic.write_folder(&folder);
     let block = |x: u16, y: u16| [25 * x as u8, 30 * y as u8, 200];
     folder.write("color/000.jpg", jpeg(80, 64, block));
     let image = folder.open().unwrap().frames[0].load_color().unwrap().unwrap();

@@ -1,17 +1,17 @@
 //! What is wrong with a recording is told: an error with its place, or something left out with a reason.
 
-use crate::made_up::{Folder, MadeUp, png};
+use crate::synthetic::{Folder, MadeUp, png};
 use nextview::sensor::Depth;
 use png::{BitDepth, ColorType};
 use std::fs;
 
 /// A recording of three frames, changed.
 fn changed(name: &str, change: impl Fn(&Folder)) -> Result<Vec<String>, String> {
-    check(name, |made_up, folder| made_up.write_folder(folder), change)
+    check(name, |synthetic, folder| synthetic.write_folder(folder), change)
 }
 
 fn changed_tum(name: &str, change: impl Fn(&Folder)) -> Result<Vec<String>, String> {
-    check(name, |made_up, folder| made_up.write_tum(folder), change)
+    check(name, |synthetic, folder| synthetic.write_tum(folder), change)
 }
 
 /// What was left out, in words, or the error.

@@ -10,12 +10,12 @@ mod faults;
 #[cfg(test)]
 mod jpeg;
 #[cfg(test)]
-mod made_up;
-#[cfg(test)]
 mod maps;
 #[cfg(test)]
 mod mcap;
 #[cfg(test)]
 mod rosbags;
+#[cfg(test)]
+mod synthetic;
 #[cfg(test)]
 mod transforms;

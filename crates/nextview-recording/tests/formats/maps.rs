@@ -1,7 +1,7 @@
 //! Whatever the form, the map is the same.
 
-use crate::made_up::{Folder, MadeUp};
 use crate::mcap::{Form, bytes};
+use crate::synthetic::{Folder, MadeUp};
 use glam::IVec3;
 use nextview::geometry::Lattice;
 use nextview::map::{Integration, LogOdds, OccupancyMap, SensorModel};
@@ -17,13 +17,13 @@ fn map(recording: &Recording) -> Vec<(IVec3, LogOdds)> {
 
 #[test]
 fn all_forms_give_the_same_map() {
-    let made_up = MadeUp::new(6);
+    let synthetic = MadeUp::new(6);
     let [ours, tum, bag] = ["folder", "tum", "mcap"].map(|form| Folder::new(&format!("maps-{form}")));
-    made_up.write_folder(&ours);
-    made_up.write_tum(&tum);
+    synthetic.write_folder(&ours);
+    synthetic.write_tum(&tum);
     let ours = ours.open().unwrap();
-    assert_eq!((ours.frames.len(), ours.skipped.len(), ours.intrinsics), (6, 0, made_up.camera));
-    for (frame, pose) in ours.frames.iter().zip(&made_up.poses) {
+    assert_eq!((ours.frames.len(), ours.skipped.len(), ours.intrinsics), (6, 0, synthetic.camera));
+    for (frame, pose) in ours.frames.iter().zip(&synthetic.poses) {
         assert!(frame.world_from_camera.translation() == pose.translation());
         assert!(frame.world_from_camera.rotation().dot(pose.rotation()).abs() > 1.0 - 1e-12);
     }
@@ -36,7 +36,7 @@ fn all_forms_give_the_same_map() {
     );
     assert_eq!(map(&tum), expected);
     for form in Form::ALL {
-        bag.write("bag.mcap", bytes(&made_up, form));
+        bag.write("bag.mcap", bytes(&synthetic, form));
         let recording = Recording::open(&bag.0.join("bag.mcap"), &ReadOptions::default()).unwrap();
         assert_eq!(recording.frames[2].name, "message 3 of /camera/depth/image_rect_raw");
         assert_eq!(map(&recording), expected, "{form:?}");

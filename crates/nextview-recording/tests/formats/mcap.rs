@@ -1,6 +1,6 @@
 //! Recordings as ROS 2 writes them: a small writer of MCAP files with messages in CDR.
 
-use crate::made_up::{Folder, MadeUp};
+use crate::synthetic::{Folder, MadeUp};
 use glam::DVec2;
 use nextview::sensor::Intrinsics;
 use nextview_recording::{ReadOptions, Recording};
@@ -107,33 +107,33 @@ impl Cdr {
 }
 
 /// The recording as a file, with images in colour that do not matter.
-pub fn bytes(made_up: &MadeUp, form: Form) -> Vec<u8> {
-    file(form, &messages(made_up, form))
+pub fn bytes(synthetic: &MadeUp, form: Form) -> Vec<u8> {
+    file(form, &messages(synthetic, form))
 }
 
 /// Messages with the numbers of their topics.
-pub fn messages(made_up: &MadeUp, form: Form) -> Vec<(u16, Vec<u8>)> {
-    let mut messages = vec![(0, camera_info(made_up, form))];
-    for (i, pose) in made_up.poses.iter().enumerate() {
+pub fn messages(synthetic: &MadeUp, form: Form) -> Vec<(u16, Vec<u8>)> {
+    let mut messages = vec![(0, camera_info(synthetic, form))];
+    for (i, pose) in synthetic.poses.iter().enumerate() {
         let time = 1_700_000_000.0 + 0.1 * i as f64;
         let (t, q) = (pose.translation(), pose.rotation());
         let mut cdr = Cdr::new(form.is_big_endian, time + 0.004);
         messages.push((2, cdr.f64s(&t.to_array()).f64s(&q.to_array()).message()));
-        messages.push((1, depth_image(made_up, i, time, form)));
+        messages.push((1, depth_image(synthetic, i, time, form)));
         messages.push((3, image(form.is_big_endian, time, [2, 1], "rgb8", &[7; 6]).message()));
     }
     messages
 }
 
-fn camera_info(made_up: &MadeUp, form: Form) -> Vec<u8> {
-    let camera = made_up.camera;
+fn camera_info(synthetic: &MadeUp, form: Form) -> Vec<u8> {
+    let camera = synthetic.camera;
     let (f, c) = (camera.focal(), camera.center());
     let mut cdr = Cdr::new(form.is_big_endian, 0.0);
     cdr.u32(camera.height()).u32(camera.width()).text("plumb_bob").u32(5).f64s(&[0.0; 5]);
     cdr.f64s(&[f.x, 0.0, c.x, 0.0, f.y, c.y, 0.0, 0.0, 1.0]).f64s(&[0.0; 9 + 12]).message()
 }
 
-fn depth_image(made_up: &MadeUp, i: usize, time: f64, form: Form) -> Vec<u8> {
+fn depth_image(synthetic: &MadeUp, i: usize, time: f64, form: Form) -> Vec<u8> {
     let pixel = |mm: &u16| -> Vec<u8> {
         // As the reader makes metres of millimetres, so that the maps can be the same; 0 is NaN there.
         let metres = if *mm == 0 { f32::NAN } else { (*mm as f64 * 0.001) as f32 };
@@ -144,12 +144,12 @@ fn depth_image(made_up: &MadeUp, i: usize, time: f64, form: Form) -> Vec<u8> {
             (true, true) => metres.to_be_bytes().to_vec(),
         }
     };
-    let width = made_up.camera.width() as usize;
-    let rows = made_up.images[i].chunks(width);
+    let width = synthetic.camera.width() as usize;
+    let rows = synthetic.images[i].chunks(width);
     let rows = rows.map(|row| [row.iter().flat_map(pixel).collect(), vec![9; form.padding]].concat());
     let data = rows.collect::<Vec<_>>().concat();
     let encoding = if form.is_metres { "32FC1" } else { "16UC1" };
-    let size = [made_up.camera.width(), made_up.camera.height()];
+    let size = [synthetic.camera.width(), synthetic.camera.height()];
     image(form.is_big_endian, time, size, encoding, &data).message()
 }
 
@@ -362,8 +362,8 @@ fn topics_that_lack_or_are_several_are_named() {
     assert_parts(&without("no-camera", 0), &["there is no CameraInfo topic"]);
 
     // The colour topic carries depth as well.
-    let made_up = MadeUp::new(3);
-    let mut messages = messages(&made_up, Form::PLAIN);
+    let synthetic = MadeUp::new(3);
+    let mut messages = messages(&synthetic, Form::PLAIN);
     let depths: Vec<Vec<u8>> =
         messages.iter().filter(|(of, _)| *of == 1).map(|(_, data)| data.clone()).collect();
     let others = messages.iter_mut().filter(|(of, _)| *of == 3);
@@ -414,8 +414,8 @@ fn messages_that_cannot_be_are_refused() {
 
 #[test]
 fn images_far_from_any_pose_are_left_out() {
-    let made_up = MadeUp::new(3);
-    let mut messages = messages(&made_up, Form::PLAIN);
+    let synthetic = MadeUp::new(3);
+    let mut messages = messages(&synthetic, Form::PLAIN);
     let second = messages.iter().position(|(of, _)| *of == 2).unwrap() + 3;
     messages.remove(second);
     let folder = Folder::new("mcap-hole");

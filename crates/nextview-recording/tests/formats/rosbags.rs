@@ -1,6 +1,6 @@
 //! Files of another writer: the Python package `rosbags`, which knows ROS 2's messages by itself.
 
-use crate::made_up::{Folder, MadeUp};
+use crate::synthetic::{Folder, MadeUp};
 use nextview_checks::skipped;
 use nextview_recording::{ReadOptions, Recording};
 use std::process::Command;
@@ -11,9 +11,9 @@ fn bags_of_rosbags_read_as_the_folder_they_were_made_of() {
         let why = "NEXTVIEW_ROSBAGS_PYTHON names no Python with the packages rosbags, numpy and pillow";
         return skipped("bags_of_rosbags_read_as_the_folder_they_were_made_of", "rosbags", why);
     };
-    let made_up = MadeUp::new(4);
+    let synthetic = MadeUp::new(4);
     let folder = Folder::new("rosbags");
-    made_up.write_folder(&folder);
+    synthetic.write_folder(&folder);
     let expected = folder.open().unwrap();
     for form in ["plain", "metres", "compressed", "png"] {
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/formats/write_bag.py");

@@ -1,9 +1,9 @@
 //! MCAP files whose poses are transforms, and whose images are compressed.
 
-use crate::made_up::{Folder, MadeUp, png};
 use crate::mcap::{
     CAMERA, COLOR, COMPRESSED_DEPTH, Cdr, Form, POSES, TF, TF_STATIC, assert_parts, file, messages, open,
 };
+use crate::synthetic::{Folder, MadeUp, png};
 use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 use nextview_recording::{ReadOptions, Recording};
@@ -34,11 +34,11 @@ fn lens() -> Pose {
 
 /// The recording with an arm that moves through each pose at the time of the image, half way between two
 /// transforms.
-fn with_transforms(made_up: &MadeUp) -> Messages {
-    let mut all = messages(made_up, Form::PLAIN);
+fn with_transforms(synthetic: &MadeUp) -> Messages {
+    let mut all = messages(synthetic, Form::PLAIN);
     all.retain(|(topic, _)| *topic != POSES);
     all.push((TF_STATIC, transforms(&[(0.0, "map", "base", base()), (0.0, "flange", "camera", lens())])));
-    for (i, pose) in made_up.poses.iter().enumerate() {
+    for (i, pose) in synthetic.poses.iter().enumerate() {
         let base_from_flange = base().inverse() * *pose * lens().inverse();
         for (apart, shift) in [(0.03, 0.01), (-0.03, -0.01)] {
             let shifted = base_from_flange.translation() + shift * DVec3::ONE;
@@ -72,27 +72,27 @@ fn assert_poses(recording: &Recording, expected: impl Iterator<Item = Pose>) {
 
 #[test]
 fn poses_are_found_through_the_arm_at_the_time_of_the_image() {
-    let made_up = MadeUp::new(4);
+    let synthetic = MadeUp::new(4);
     let folder = Folder::new("transforms-arm");
-    let bytes = file(Form::ALL[2], &with_transforms(&made_up));
+    let bytes = file(Form::ALL[2], &with_transforms(&synthetic));
     let recording = open(&folder, &bytes, &ReadOptions::default()).unwrap();
     assert_eq!((recording.frames.len(), recording.skipped.len(), recording.notes.len()), (4, 0, 0));
-    assert_poses(&recording, made_up.poses.iter().copied());
+    assert_poses(&recording, synthetic.poses.iter().copied());
     let recording = open(&folder, &bytes, &in_frame("base")).unwrap();
-    assert_poses(&recording, made_up.poses.iter().map(|pose| base().inverse() * *pose));
+    assert_poses(&recording, synthetic.poses.iter().map(|pose| base().inverse() * *pose));
 }
 
 #[test]
 fn a_topic_of_poses_goes_first_unless_a_frame_is_named() {
-    let made_up = MadeUp::new(3);
-    let mut all = with_transforms(&made_up);
-    all.extend(messages(&made_up, Form::PLAIN).into_iter().filter(|(topic, _)| *topic == POSES));
+    let synthetic = MadeUp::new(3);
+    let mut all = with_transforms(&synthetic);
+    all.extend(messages(&synthetic, Form::PLAIN).into_iter().filter(|(topic, _)| *topic == POSES));
     let folder = Folder::new("transforms-both");
     let bytes = file(Form::PLAIN, &all);
     let recording = open(&folder, &bytes, &ReadOptions::default()).unwrap();
-    assert_eq!(recording.frames[1].world_from_camera, made_up.poses[1]);
+    assert_eq!(recording.frames[1].world_from_camera, synthetic.poses[1]);
     let recording = open(&folder, &bytes, &in_frame("base")).unwrap();
-    assert_poses(&recording, made_up.poses.iter().map(|pose| base().inverse() * *pose));
+    assert_poses(&recording, synthetic.poses.iter().map(|pose| base().inverse() * *pose));
     let both = ReadOptions { pose_topic: Some("/camera_pose".into()), ..in_frame("map") };
     assert_parts(
         &open(&folder, &bytes, &both).unwrap_err(),
@@ -122,8 +122,8 @@ fn what_is_missing_between_the_frames_is_named() {
 
 #[test]
 fn images_outside_the_times_of_the_transforms_are_left_out_and_wrong_transforms_noted() {
-    let made_up = MadeUp::new(4);
-    let mut all = with_transforms(&made_up);
+    let synthetic = MadeUp::new(4);
+    let mut all = with_transforms(&synthetic);
     // The two transforms around the last image came first.
     all.drain(..2);
     let zero = Cdr::bare().u32(1).header(time(1), "base").text("gripper").f64s(&[0.0; 7]).message();
@@ -155,15 +155,15 @@ fn compressed(topic: u16, time: f64, format: &str, data: &[u8]) -> (u16, Vec<u8>
 
 #[test]
 fn compressed_images_are_read_and_colours_where_they_are_wanted() {
-    let made_up = MadeUp::new(3);
-    let mut all = with_transforms(&made_up);
+    let synthetic = MadeUp::new(3);
+    let mut all = with_transforms(&synthetic);
     let plain_folder = Folder::new("transforms-plain");
     let plain = open(&plain_folder, &file(Form::PLAIN, &all), &ReadOptions::default()).unwrap();
     all.retain(|(topic, _)| [TF, TF_STATIC, CAMERA].contains(topic));
     let pixels: Vec<u8> = (0..80 * 60 * 3).map(|i| i as u8).collect();
     let color = png(80, 60, ::png::ColorType::Rgb, ::png::BitDepth::Eight, &pixels);
     for i in 0..3 {
-        let depth = [&[0; 12], &made_up.png(i)[..]].concat();
+        let depth = [&[0; 12], &synthetic.png(i)[..]].concat();
         all.push(compressed(COMPRESSED_DEPTH, time(i), "16UC1; compressedDepth png", &depth));
         all.push(compressed(COLOR, time(i) + 0.01, "rgb8; png compressed bgr8", &color));
     }

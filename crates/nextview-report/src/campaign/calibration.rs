@@ -168,19 +168,19 @@ fn data(variants: &[(String, Vec<EstimateClass>)]) -> Table {
 
 #[cfg(test)]
 mod tests {
-    use super::super::made_up;
+    use super::super::synthetic;
     use super::*;
 
     #[test]
     fn campaigns_without_estimates_have_none() {
-        assert!(section(&Study::new(&made_up::campaign(&["a"], 2).runs)).is_none());
+        assert!(section(&Study::new(&synthetic::campaign(&["a"], 2).runs)).is_none());
     }
 
     #[test]
     fn every_estimate_is_held_against_the_view_before() {
-        let mut campaign = made_up::campaign(&["a", "b"], 2);
+        let mut campaign = synthetic::campaign(&["a", "b"], 2);
         for run in campaign.runs.iter_mut().filter(|run| run.variant == "b") {
-            let steps = &mut made_up::record_mut(run).steps;
+            let steps = &mut synthetic::record_mut(run).steps;
             steps.truncate(3);
             for (step, (estimate, truth)) in
                 steps.iter_mut().zip([(None, 0.5), (Some(0.97), 0.9), (Some(1.0), 1.0)])
@@ -204,9 +204,9 @@ mod tests {
 
     #[test]
     fn every_forecast_is_held_against_the_views_that_followed() {
-        let mut campaign = made_up::campaign(&["a"], 1);
+        let mut campaign = synthetic::campaign(&["a"], 1);
         for run in &mut campaign.runs {
-            let steps = &mut made_up::record_mut(run).steps;
+            let steps = &mut synthetic::record_mut(run).steps;
             steps.truncate(3);
             let all = [(None, 0.5), (Some(vec![0.8, 1.0, 1.0]), 0.7), (Some(vec![0.9]), 0.9)];
             for (step, (forecast, truth)) in steps.iter_mut().zip(all) {

@@ -100,7 +100,7 @@ fn number(value: f64, show: impl Fn(f64) -> String) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::made_up::{campaign, record_mut};
+    use super::super::synthetic::{campaign, record_mut};
     use super::*;
     use nextview_campaign::statistics::compare;
 

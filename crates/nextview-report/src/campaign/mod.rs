@@ -11,8 +11,6 @@ mod document;
 mod figures;
 mod html;
 mod line;
-#[cfg(test)]
-mod made_up;
 mod markdown;
 mod paper;
 mod planner_section;
@@ -20,6 +18,8 @@ mod report;
 mod setup;
 mod statistic;
 mod summary;
+#[cfg(test)]
+mod synthetic;
 #[cfg(test)]
 mod tests;
 

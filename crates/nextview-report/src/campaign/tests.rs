@@ -1,5 +1,5 @@
 use super::comparison_text;
-use super::made_up::{Campaign, campaign, record_mut};
+use super::synthetic::{Campaign, campaign, record_mut};
 use nextview_campaign::statistics::{Comparison, compare};
 use nextview_campaign::{RunRecord, RunResult};
 use nextview_scan::{PlannerName, ScanConfig};

@@ -1,17 +1,17 @@
-//! The page of a scan, from made-up records.
+//! The page of a scan, from synthetic records.
 
 #[cfg(test)] // lets Clippy know that its `unwrap`s are those of a test
-mod made_up;
+mod synthetic;
 #[cfg(test)]
 mod walls;
 
 use glam::{DVec3, IVec3, Vec3};
-use made_up::{MadeUp, scan};
 use nextview::sensor::DepthImage;
 use nextview_report::{ViewPicture, live, summary, summary_text};
 use nextview_scan::{BoxRule, OtherBodyRecord, ScanRecord, TableRule};
 use serde_json::Value;
 use std::collections::HashSet;
+use synthetic::{MadeUp, scan};
 use walls::{scene, walls};
 
 /// Writes the page, for a look at it, and prints its path.

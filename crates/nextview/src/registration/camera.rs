@@ -42,7 +42,7 @@ impl FrameCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::made_up::ball;
+    use crate::sensor::synthetic::ball;
     use crate::view::look_at;
 
     #[test]

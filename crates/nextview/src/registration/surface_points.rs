@@ -95,7 +95,7 @@ fn neighborhood() -> impl Iterator<Item = IVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::made_up::ball;
+    use crate::sensor::synthetic::ball;
     use crate::view::look_at;
 
     #[test]

@@ -12,10 +12,10 @@ mod distortion;
 mod frame;
 mod intrinsics;
 mod lens_lanes;
-#[cfg(test)]
-pub(crate) mod made_up;
 mod preset;
 mod surface_noise;
+#[cfg(test)]
+pub(crate) mod synthetic;
 
 pub use camera_axes::CameraAxes;
 pub use color_image::ColorImage;

@@ -73,7 +73,7 @@ pub fn frame_points(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::made_up::ball;
+    use crate::sensor::synthetic::ball;
     use crate::view::look_at;
 
     use glam::DVec2;

@@ -213,7 +213,7 @@ fn normals(
 mod tests {
     use super::*;
     use crate::geometry::Pose;
-    use crate::sensor::made_up::ball;
+    use crate::sensor::synthetic::ball;
     use glam::DQuat;
     use std::collections::BTreeSet;
 

@@ -166,7 +166,7 @@ impl CellSums {
 mod tests {
     use super::*;
     use crate::sensor::DepthNoise;
-    use crate::sensor::made_up::of_depth;
+    use crate::sensor::synthetic::of_depth;
 
     fn measured(correlated_share: f64, n_frames: usize) -> MeasuredCells {
         let depth = DepthNoise { constant: 0.004, ..DepthNoise::default() };

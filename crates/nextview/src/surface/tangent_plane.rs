@@ -86,7 +86,7 @@ impl TangentPlane {
 mod tests {
     use super::*;
 
-    use crate::sensor::made_up::of_depth as frame;
+    use crate::sensor::synthetic::of_depth as frame;
 
     #[test]
     fn unmeasured_pixels_and_lone_ones_have_no_plane() {

@@ -177,7 +177,7 @@ pub(super) fn meets(parts: u64, key: VoxelKey, origin: DVec3, direction: DVec3) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::made_up::of_depth;
+    use crate::sensor::synthetic::of_depth;
     use glam::{DQuat, UVec3};
     use proptest::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Features of voxels against distances and counts found by looking at every voxel of the box.
 
-use crate::made_up::{random_snapshot, snapshot};
+use crate::synthetic::{random_snapshot, snapshot};
 use glam::{DVec2, DVec3, IVec3, UVec3};
 use nextview::Cancel;
 use nextview::geometry::{Lattice, VoxelBlock};

@@ -1,7 +1,7 @@
 //! What a view shows against its rays, each cut with every voxel.
 
 use crate::common::{crossed, directions};
-use crate::made_up::{half_seen_ball, nothing_measured, prior, random_snapshot, snapshot};
+use crate::synthetic::{half_seen_ball, nothing_measured, prior, random_snapshot, snapshot};
 use glam::{DVec2, DVec3, IVec3, UVec3};
 use nextview::Cancel;
 use nextview::gain::ExpectedSurface;

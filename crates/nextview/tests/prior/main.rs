@@ -6,5 +6,5 @@
 mod common;
 mod features;
 mod gain;
-mod made_up;
 mod planner;
+mod synthetic;

@@ -1,7 +1,7 @@
 //! The planner against the gain of every single view, and what it expects against sums over all of them.
 
 use crate::gain::check_view;
-use crate::made_up::{even_prior, half_seen_ball, nothing_measured, prior, random_snapshot, snapshot};
+use crate::synthetic::{even_prior, half_seen_ball, nothing_measured, prior, random_snapshot, snapshot};
 use glam::{DVec3, IVec3, UVec3};
 use nextview::Cancel;
 use nextview::gain::ExpectedSurface;

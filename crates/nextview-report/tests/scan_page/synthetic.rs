@@ -199,7 +199,7 @@ fn ray_depth(pose: Pose, ray: DVec3) -> f64 {
     f64::INFINITY
 }
 
-/// Distance to the made-up object: a wavy tube, closed at the bottom, and a leaning ring.
+/// Distance to the synthetic object: a wavy tube, closed at the bottom, and a leaning ring.
 fn distance(p: DVec3) -> f64 {
     let across = p.truncate().length();
     let radius = 0.05 + 0.014 * (p.z * 38.0).sin();

@@ -1,4 +1,4 @@
-//! Priors and maps made up by chance.
+//! Priors and maps drawn at random.
 
 use glam::{IVec3, UVec3};
 use nextview::Cancel;

@@ -1,4 +1,4 @@
-//! The checks find what they are made to find, in made-up crates.
+//! The checks find what they are made to find, in synthetic crates.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -95,18 +95,18 @@ fn public_items_are_listed_where_they_are_public() {
         ),
     ];
     let expected = [
-        "made_up: #[derive(Clone)] pub struct Shape",
-        "made_up: pub mod b",
-        "made_up: pub use glam",
-        "made_up::Shape: impl From<f64> for Shape",
-        "made_up::Shape: pub fn new(x: f64) -> Self",
-        "made_up::Shape: x: f64",
-        "made_up::b: pub enum Kind",
-        "made_up::b: pub trait Draw",
-        "made_up::b::Draw: fn draw(&self, shapes: &[u32]) -> bool",
-        "made_up::b::Kind: Plain",
-        "made_up::b::Kind: Sized",
-        "made_up::b::Kind::Sized: 0: f64",
+        "synthetic: #[derive(Clone)] pub struct Shape",
+        "synthetic: pub mod b",
+        "synthetic: pub use glam",
+        "synthetic::Shape: impl From<f64> for Shape",
+        "synthetic::Shape: pub fn new(x: f64) -> Self",
+        "synthetic::Shape: x: f64",
+        "synthetic::b: pub enum Kind",
+        "synthetic::b: pub trait Draw",
+        "synthetic::b::Draw: fn draw(&self, shapes: &[u32]) -> bool",
+        "synthetic::b::Kind: Plain",
+        "synthetic::b::Kind: Sized",
+        "synthetic::b::Kind::Sized: 0: f64",
     ];
-    assert_eq!(with("items", &files, |root| public_items(root, "made_up")), expected);
+    assert_eq!(with("items", &files, |root| public_items(root, "synthetic")), expected);
 }

@@ -1,4 +1,4 @@
-//! A made-up recording, and the folders that hold it.
+//! A synthetic recording, and the folders that hold it.
 
 use glam::{DMat3, DVec2};
 use nextview::geometry::Pose;
