@@ -3,7 +3,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use nextview::map::{OccupancyMap, Octree, SensorModel};
+use nextview::map::SensorModel;
+use nextview_octomap::Octree;
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(octree) = Octree::read(bytes) else { return };
@@ -13,5 +14,5 @@ fuzz_target!(|bytes: &[u8]| {
     assert_eq!(again.n_leaves(), octree.n_leaves());
     let pruned = octree.pruned();
     let _ = pruned.expanded(1000);
-    let _ = OccupancyMap::from_octree(&octree, SensorModel::default(), 1000);
+    let _ = octree.to_map(SensorModel::default(), 1000);
 });

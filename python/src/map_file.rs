@@ -8,7 +8,8 @@ use crate::watch::compute;
 use glam::{DVec3, IVec3, UVec3};
 use nextview::Cancel;
 use nextview::geometry::{Lattice, VoxelBlock};
-use nextview::map::{LogOdds, OccupancyMap, Octree, SensorModel, Snapshot};
+use nextview::map::{LogOdds, SensorModel, Snapshot};
+use nextview_octomap::Octree;
 use nextview_scan::files::{self, Overwrite};
 use nextview_scan::{Fault, Faults, SavedMap};
 use numpy::{Element, PyArray3, PyUntypedArrayMethods};
@@ -47,7 +48,7 @@ fn known(octree: &Octree) -> Result<Snapshot, Fault> {
         ));
         fault.with_remedy("cut the map to the part around the object")
     })?;
-    let map = OccupancyMap::from_octree(octree, SensorModel::default(), MAX_VOXELS)?;
+    let map = octree.to_map(SensorModel::default(), MAX_VOXELS)?;
     Ok(map.snapshot(block))
 }
 

@@ -1,7 +1,7 @@
 use crate::Outcome;
 use glam::DVec3;
 use nextview::geometry::{Aabb, Lattice, VoxelBlock, VoxelKey};
-use nextview::map::Octree;
+use nextview_octomap::Octree;
 use std::fs::File;
 use std::path::Path;
 use std::str::FromStr;

@@ -1,7 +1,7 @@
 use super::timed_stage::Stage;
 use crate::workload::{DEPTH_UNIT, N_IMAGES, Set, Workload, intrinsics};
-use nextview::map::Octree;
 use nextview_model::write_mesh;
+use nextview_octomap::Octree;
 use nextview_recording::{decode_depth, encode_depth};
 use nextview_sim::mesh;
 use std::hint::black_box;
@@ -58,7 +58,7 @@ impl Drop for TemporaryFile {
 
 fn maps() -> Vec<Stage> {
     let octree = |workload: &Workload| -> Octree {
-        workload.map(Set::A, 0.005, N_IMAGES).to_octree().expect("a map of few voxels").pruned()
+        Octree::from_map(&workload.map(Set::A, 0.005, N_IMAGES)).expect("a map of few voxels").pruned()
     };
     let written = move |workload: &Workload, is_full: bool| {
         let mut bytes = Vec::new();

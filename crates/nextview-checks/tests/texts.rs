@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates that front ends share.
-const LIBRARIES: [&str; 9] = [
+const LIBRARIES: [&str; 10] = [
     "nextview-scan",
     "nextview-campaign",
     "nextview-report",
@@ -15,6 +15,7 @@ const LIBRARIES: [&str; 9] = [
     "nextview-robot",
     "nextview-sim",
     "nextview-model",
+    "nextview-octomap",
     "nextview",
 ];
 

@@ -10,7 +10,7 @@ use std::path::Path;
 /// From low to high; crates on one line know nothing of each other.
 const LAYERS: [&[&str]; 9] = [
     &["nextview", "nextview-checks"],
-    &["nextview-model"],
+    &["nextview-model", "nextview-octomap"],
     &["nextview-sim", "nextview-recording", "nextview-robot"],
     &["nextview-learned"],
     &["nextview-scan"],

@@ -4,7 +4,7 @@
 use crate::common::{Folder, Run, small};
 use crate::recording::{SCAN, write_recording};
 use nextview::geometry::VoxelKey;
-use nextview::map::Octree;
+use nextview_octomap::Octree;
 use std::fs::{self, File};
 use std::io::{BufWriter, Read, Write};
 use std::process::Stdio;

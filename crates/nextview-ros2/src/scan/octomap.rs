@@ -1,14 +1,15 @@
 //! Maps in the form of `octomap_msgs`: an OctoMap file without its header.
 
 use crate::messages::{Bytes, Header, Octomap};
-use nextview::map::{OccupancyMap, Octree};
+use nextview::map::OccupancyMap;
+use nextview_octomap::Octree;
 
 /// The line after which the tree begins.
 const END_OF_HEAD: &[u8] = b"\ndata\n";
 
 /// The map with P(occupied) of each voxel, and with free and occupied voxels only.
 pub fn messages(map: &OccupancyMap, frame: &str) -> Result<[Octomap; 2], nextview::Error> {
-    let octree = map.to_octree()?.pruned();
+    let octree = Octree::from_map(map)?.pruned();
     let (mut full, mut binary) = (Vec::new(), Vec::new());
     octree.write_ot(&mut full)?;
     octree.write_bt(&mut binary)?;
@@ -37,7 +38,7 @@ mod tests {
     fn a_message_is_the_file_without_its_head() {
         let map = OccupancyMap::new(Lattice::new(0.02).unwrap(), SensorModel::default()).unwrap();
         let mut file = Vec::new();
-        map.to_octree().unwrap().write_ot(&mut file).unwrap();
+        Octree::from_map(&map).unwrap().write_ot(&mut file).unwrap();
         let [full, binary] = messages(&map, "map").unwrap();
         assert!(!full.binary && binary.binary && full.resolution == 0.02 && full.header.frame_id == "map");
         let (head, tree) = file.split_at(file.len() - full.data.0.len());

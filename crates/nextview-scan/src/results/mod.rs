@@ -12,9 +12,9 @@ use crate::journal::Occupant;
 use crate::run::{Measured, ScanState};
 use crate::{Fault, FaultKind, Faults, ScanConfig, ScanJournal, ScanRecord, StepRecord, short_name};
 use nextview::geometry::Pose;
-use nextview::map::Octree;
 use nextview::motion::Waypoint;
 use nextview_model::{write_cloud, write_mesh};
+use nextview_octomap::Octree;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -147,7 +147,7 @@ pub fn write_results(
     add("steps.jsonl", &|w| record.steps.iter().try_for_each(|step| write_json(w, step)));
     add("views.csv", &|w| write_views(w, &record.steps));
     add("waypoints.csv", &|w| write_waypoints(w, scan));
-    let octree = scan.session.map().to_octree().map(|octree| octree.pruned());
+    let octree = Octree::from_map(scan.session.map()).map(|octree| octree.pruned());
     add("map.ot", &|w| Ok(octree_of(&octree)?.write_ot(w)?));
     add("map.bt", &|w| Ok(octree_of(&octree)?.write_bt(w)?));
     if let Some(model) = &model {
@@ -169,7 +169,7 @@ pub fn write_results(
 /// If the scan has none of this name, or it cannot be made, such as a cloud before an object was found.
 pub fn result_file(name: &str, config: &ScanConfig, scan: &ScanState<'_>) -> Result<Vec<u8>, Fault> {
     let w = &mut Vec::new();
-    let octree = || scan.session.map().to_octree().map(|octree| octree.pruned());
+    let octree = || Octree::from_map(scan.session.map()).map(|octree| octree.pruned());
     match name {
         "config.toml" => w.extend(toml::to_string(config).map_err(Fault::data)?.into_bytes()),
         "record.json" => write_json(w, &scan.record(config, Measured::Nothing)?)?,

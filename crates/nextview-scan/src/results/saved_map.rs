@@ -3,14 +3,14 @@
 use crate::{Fault, Faults, ScanConfig, files};
 use glam::{DVec3, IVec3};
 use nextview::geometry::{Aabb, Lattice, VoxelBlock};
-use nextview::map::octree::Leaf;
-use nextview::map::{LogOdds, Occupancy, Octree, Snapshot};
+use nextview::map::{LogOdds, Occupancy, Snapshot};
 use nextview::object::planning_box;
 use nextview::planner::{Batch, BatchConfig, BatchPlan, Choice, Situation};
 use nextview::sensor::Intrinsics;
 use nextview::session::SessionConfig;
 use nextview::view::ViewSpace;
 use nextview::{Cancel, Error};
+use nextview_octomap::{Leaf, Octree};
 use std::path::Path;
 
 /// A map from a file, the object's box, and the view candidates.
@@ -107,7 +107,7 @@ impl SavedMap {
 }
 
 /// The known voxels of a block. Only these are visited: a leaf may stand for 2^48. Log-odds of exactly 0 are
-/// unknown, as in [`OccupancyMap::from_octree`](nextview::map::OccupancyMap::from_octree).
+/// unknown, as in [`Octree::to_map`].
 fn snapshot(octree: &Octree, lattice: Lattice, block: VoxelBlock) -> Snapshot {
     let mut values = vec![f32::NAN; block.n_voxels()];
     for (leaf, min, max) in known_inside(octree, &block) {

@@ -2,7 +2,7 @@
 
 use crate::common::Folder;
 use glam::DVec3;
-use nextview::map::Octree;
+use nextview_octomap::Octree;
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
     BoxRule, MapSummary, ObjectBoxConfig, Results, RunOptions, ScanConfig, ScanRecord, ScanRun, ScanState,

@@ -104,7 +104,7 @@ impl Lattice {
 /// 65,536 or less: the lattice's origin if possible, otherwise the voxel in their middle.
 ///
 /// Relative to it, keys fit the 16 bits of an OctoMap and are exact in single precision.
-pub(crate) fn local_origin(min: VoxelKey, max: VoxelKey) -> VoxelKey {
+pub fn local_origin(min: VoxelKey, max: VoxelKey) -> VoxelKey {
     let fits = min.cmpge(IVec3::splat(-(1 << 15))).all() && max.cmplt(IVec3::splat(1 << 15)).all();
     if fits { IVec3::ZERO } else { min + (max - min + 1) / 2 }
 }

@@ -1,7 +1,7 @@
 //! The occupancy map: the measured state of the world.
 //!
-//! Start with [`OccupancyMap`]; its `integrate` adds scans, and planning reads a [`Snapshot`]. [`octree`] is
-//! the file format of OctoMap. Nothing here knows about views or gains.
+//! Start with [`OccupancyMap`]; its `integrate` adds scans, and planning reads a [`Snapshot`]. The
+//! crate `nextview-octomap` reads and writes maps as files. Nothing here knows about views or gains.
 
 mod brick;
 mod frontier;
@@ -11,7 +11,6 @@ mod key_box;
 mod log_odds;
 mod marks;
 mod occupancy_map;
-pub mod octree;
 mod scan;
 mod scan_size;
 mod snapshot;
@@ -20,5 +19,4 @@ pub use frontier::frontier;
 pub use integration::{Background, Integration, MapUpdate, RayRule};
 pub use log_odds::{LogOdds, Occupancy, SensorModel, entropy};
 pub use occupancy_map::OccupancyMap;
-pub use octree::Octree;
 pub use snapshot::Snapshot;

@@ -1,5 +1,5 @@
 use super::brick::{BrickGrid, CELLS, brick_key, cell, voxel_key};
-use super::{LogOdds, Octree, SensorModel, Snapshot};
+use super::{LogOdds, SensorModel, Snapshot};
 use crate::geometry::{Lattice, VoxelBlock, VoxelKey};
 use crate::{Cancel, Cancelled, Error};
 use glam::IVec3;
@@ -33,6 +33,30 @@ impl OccupancyMap {
         Ok(Self { lattice, model, bricks: BrickGrid::default() })
     }
 
+    /// Returns a map of measured voxels; of a key that occurs twice, the last value counts. Fails if the
+    /// sensor model is out of range, a value is not finite or a key is beyond [`Lattice::REACH`].
+    pub fn from_voxels(
+        lattice: Lattice,
+        model: SensorModel,
+        voxels: impl IntoIterator<Item = (VoxelKey, LogOdds)>,
+    ) -> Result<Self, Error> {
+        let mut map = Self::new(lattice, model)?;
+        for (key, value) in voxels {
+            if !value.0.is_finite() {
+                return Err(Error::invalid(
+                    "log-odds",
+                    format!("{} at voxel {key}", value.0),
+                    "a finite number",
+                ));
+            }
+            if key.abs().max_element() > Lattice::REACH || key.min_element() == i32::MIN {
+                return Err(Error::invalid("voxel key", key, "at most 268435456 voxels from the origin"));
+            }
+            map.set(key, value);
+        }
+        Ok(map)
+    }
+
     /// Returns the lattice of the voxels.
     pub fn lattice(&self) -> Lattice {
         self.lattice
@@ -56,8 +80,8 @@ impl OccupancyMap {
         voxels
     }
 
-    /// Returns all measured voxels, in an order that must not influence any result.
-    fn measured(&self) -> impl Iterator<Item = (VoxelKey, LogOdds)> {
+    /// Returns all measured voxels in an order that must not influence any result: it may change.
+    pub fn measured(&self) -> impl Iterator<Item = (VoxelKey, LogOdds)> {
         self.bricks.iter().flat_map(|(brick, values)| {
             let measured = values.0.iter().enumerate().filter(|(_, value)| !value.is_nan());
             measured.map(move |(cell, &value)| (voxel_key(brick, cell), LogOdds(value)))
@@ -90,23 +114,6 @@ impl OccupancyMap {
         Ok(coarse)
     }
 
-    /// Converts the map to an OctoMap octree, at its finest level.
-    pub fn to_octree(&self) -> Result<Octree, Error> {
-        Octree::from_voxels(self.lattice.voxel_size(), self.measured().map(|(key, value)| (key, value.0)))
-    }
-
-    /// Converts an OctoMap octree to a map; merged leaves become single voxels, colours are dropped. A leaf
-    /// with log-odds of exactly 0 stays unknown (some tools create such leaves for space never measured).
-    /// Fails if there are more than `max_voxels` voxels.
-    pub fn from_octree(octree: &Octree, model: SensorModel, max_voxels: usize) -> Result<Self, Error> {
-        let mut map = Self::new(Lattice::new(octree.voxel_size())?, model)?;
-        let expanded = octree.expanded(max_voxels)?;
-        for leaf in expanded.leaves().filter(|leaf| leaf.log_odds != 0.0) {
-            map.set(leaf.min, LogOdds(leaf.log_odds));
-        }
-        Ok(map)
-    }
-
     fn set(&mut self, key: VoxelKey, value: LogOdds) {
         let slot = self.bricks.slot(brick_key(key));
         self.bricks.at_mut(slot).0[cell(key)] = value.0;
@@ -129,11 +136,8 @@ mod tests {
     }
 
     fn map_of(voxels: &[(IVec3, f32)]) -> OccupancyMap {
-        let mut map = OccupancyMap::new(Lattice::new(0.01).unwrap(), SensorModel::default()).unwrap();
-        for &(key, value) in voxels {
-            map.set(key, LogOdds(value));
-        }
-        map
+        let voxels = voxels.iter().map(|&(key, value)| (key, LogOdds(value)));
+        OccupancyMap::from_voxels(Lattice::new(0.01).unwrap(), SensorModel::default(), voxels).unwrap()
     }
 
     proptest! {
@@ -170,17 +174,6 @@ mod tests {
             for (index, &p) in found.probability().iter().enumerate() {
                 let value = map.log_odds(block.key(index));
                 prop_assert_eq!(p, value.map_or(0.5, |value| value.probability() as f32));
-            }
-        }
-
-        #[test]
-        fn octomap_form_keeps_every_bit(voxels in prop::collection::vec((key(), log_odds()), 1..60)) {
-            let map = map_of(&voxels);
-            let octree = map.to_octree().unwrap();
-            for form in [octree.clone(), octree.pruned()] {
-                let back = OccupancyMap::from_octree(&form, SensorModel::default(), 1_000_000).unwrap();
-                let nonzero: Vec<_> = map.voxels().into_iter().filter(|(_, v)| v.0 != 0.0).collect();
-                prop_assert_eq!(back.voxels(), nonzero);
             }
         }
     }

@@ -6,6 +6,7 @@
 //! is the same ICP for other surfaces, and [`PointPairs`] finds its starting pose if none is known, for
 //! example between a part and its CAD model. The formulas are in `docs/methods/registration.md`.
 
+mod agreement;
 mod anywhere;
 mod camera;
 mod config;
@@ -30,4 +31,4 @@ pub use outcome::{Registration, Verdict};
 pub use pair::Pair;
 pub use surface_points::SurfacePoint;
 
-pub(crate) use fitting::PoseComparison;
+pub(crate) use agreement::{Agreement, apart};

@@ -1,6 +1,7 @@
-use super::agreement::Agreement;
 use crate::geometry::{Aabb, Pose};
-use crate::registration::{GivenPoses, KnownSurface, Registration, RegistrationConfig, RegistrationMode};
+use crate::registration::{
+    Agreement, GivenPoses, KnownSurface, Registration, RegistrationConfig, RegistrationMode,
+};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
 

@@ -1,6 +1,5 @@
 //! A scan in progress, with two main methods: [`observe`](Session::observe) and [`decide`](Session::decide).
 
-mod agreement;
 mod alignment;
 mod config;
 mod decision;

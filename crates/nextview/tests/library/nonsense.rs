@@ -7,7 +7,7 @@ use glam::{DQuat, DVec2, DVec3, IVec3, UVec3};
 use nextview::Cancel;
 use nextview::gain::ProximityCount;
 use nextview::geometry::{Aabb, Lattice, Plane, Pose, SegmentWalk, VoxelBlock, fit_ground};
-use nextview::map::{Background, Integration, LogOdds, OccupancyMap, Octree, RayRule, SensorModel, Snapshot};
+use nextview::map::{Background, Integration, LogOdds, OccupancyMap, RayRule, SensorModel, Snapshot};
 use nextview::motion::{
     KeepOut, MotionConfig, SpeedProfile, Surroundings, Trajectory, detour, tour, tour_length,
 };
@@ -210,11 +210,6 @@ proptest! {
                 Err(_) => prop_assert!(map.voxels().is_empty()),
             }
             let _ = (map.snapshot(block).entropy(), map.coarser(3).is_ok());
-            if let Ok(octree) = map.to_octree() {
-                let mut file = Vec::new();
-                octree.write_ot(&mut file).unwrap();
-                prop_assert_eq!(Octree::read(&file[..]).unwrap(), octree);
-            }
         }
     }
 

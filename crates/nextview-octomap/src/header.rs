@@ -1,13 +1,13 @@
-use super::source::TrackedFile;
-use super::tree::{Octree, TreeKind};
-use crate::Error;
-use crate::geometry::{Lattice, VoxelKey};
+use crate::source::TrackedFile;
+use crate::tree::{Octree, TreeKind};
 use glam::DVec3;
+use nextview::Error;
+use nextview::geometry::{Lattice, VoxelKey};
 use std::io::{self, Read, Write};
 
 /// The encoding of the nodes after the header.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Encoding {
+pub(crate) enum Encoding {
     /// Log-odds, and colours, of every node.
     Ot,
     /// Free or occupied for every leaf.
@@ -26,7 +26,7 @@ impl Encoding {
 
 /// The text in front of the nodes.
 #[derive(Debug)]
-pub(super) struct MapHeader {
+pub(crate) struct MapHeader {
     pub encoding: Encoding,
     pub kind: TreeKind,
     pub voxel_size: f64,
@@ -56,7 +56,7 @@ const OFFSET: &str = "offset_m";
 
 /// Writes OctoMap's header, with its invitation to edit the comments, and the offset of a distant map. The
 /// file has `n_nodes` nodes.
-pub(super) fn write_header(
+pub(crate) fn write_header(
     out: &mut impl Write,
     encoding: Encoding,
     tree: &Octree,

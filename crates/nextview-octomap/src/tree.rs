@@ -1,5 +1,5 @@
-use super::preorder::DEPTH;
-use crate::geometry::VoxelKey;
+use crate::preorder::DEPTH;
+use nextview::geometry::VoxelKey;
 
 /// OctoMap's tree type, the `id` in its files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub enum TreeKind {
 ///
 /// ```
 /// use glam::IVec3;
-/// use nextview::map::octree::Octree;
+/// use nextview_octomap::Octree;
 ///
 /// let tree = Octree::from_voxels(0.01, [(IVec3::new(3, -4, 5), 0.85)]).unwrap();
 /// let mut file = Vec::new();
@@ -63,7 +63,7 @@ impl Octree {
     }
 
     /// Sets the origin.
-    pub(super) fn with_origin(self, origin: VoxelKey) -> Self {
+    pub(crate) fn with_origin(self, origin: VoxelKey) -> Self {
         Self { origin, ..self }
     }
 
@@ -77,12 +77,12 @@ impl Octree {
         self.child_masks.iter().filter(|&&mask| mask == 0).count()
     }
 
-    pub(super) fn new(kind: TreeKind, voxel_size: f64) -> Self {
+    pub(crate) fn new(kind: TreeKind, voxel_size: f64) -> Self {
         let (log_odds, colors, child_masks) = Default::default();
         Self { kind, voxel_size, origin: VoxelKey::ZERO, log_odds, colors, child_masks }
     }
 
-    pub(super) fn node(&self, idx: usize) -> StoredNode {
+    pub(crate) fn node(&self, idx: usize) -> StoredNode {
         StoredNode {
             log_odds: self.log_odds[idx],
             color: self.colors.get(idx).copied().unwrap_or(StoredNode::WHITE),
@@ -91,7 +91,7 @@ impl Octree {
     }
 
     /// Appends a node in preorder and returns its index.
-    pub(super) fn push(&mut self, node: StoredNode) -> usize {
+    pub(crate) fn push(&mut self, node: StoredNode) -> usize {
         self.log_odds.push(node.log_odds);
         if self.kind == TreeKind::ColorOcTree {
             self.colors.push(node.color);
@@ -100,19 +100,19 @@ impl Octree {
         self.child_masks.len() - 1
     }
 
-    pub(super) fn add_child(&mut self, idx: usize, octant: usize) {
+    pub(crate) fn add_child(&mut self, idx: usize, octant: usize) {
         self.child_masks[idx] |= 1 << octant;
     }
 
     /// OctoMap's rule for inner nodes: the highest log-odds of the children, the first of equals.
-    pub(super) fn raise(&mut self, idx: usize, log_odds: f32) {
+    pub(crate) fn raise(&mut self, idx: usize, log_odds: f32) {
         if log_odds > self.log_odds[idx] {
             self.log_odds[idx] = log_odds;
         }
     }
 
     #[cfg(test)]
-    pub(super) fn map_log_odds(mut self, change: impl Fn(f32) -> f32) -> Self {
+    pub(crate) fn map_log_odds(mut self, change: impl Fn(f32) -> f32) -> Self {
         self.log_odds.iter_mut().for_each(|l| *l = change(*l));
         self
     }
@@ -152,7 +152,7 @@ impl Leaf {
 
 /// One node as stored in files.
 #[derive(Clone, Copy)]
-pub(super) struct StoredNode {
+pub(crate) struct StoredNode {
     pub log_odds: f32,
     pub color: [u8; 3],
     pub child_mask: u8,

@@ -1,9 +1,9 @@
-use super::header::{Encoding, MapHeader};
-use super::node_reader::NodeReader;
-use super::source::TrackedFile;
-use super::tree::Octree;
-use super::{bt, ot};
-use crate::Error;
+use crate::header::{Encoding, MapHeader};
+use crate::node_reader::NodeReader;
+use crate::source::TrackedFile;
+use crate::tree::Octree;
+use crate::{bt, ot};
+use nextview::Error;
 use std::io::Read;
 
 impl Octree {

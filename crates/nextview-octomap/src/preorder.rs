@@ -1,15 +1,15 @@
-use crate::geometry::VoxelKey;
 use glam::IVec3;
+use nextview::geometry::VoxelKey;
 
 /// Depth of single voxels: OctoMap's keys have 16 bits.
-pub(super) const DEPTH: u8 = 16;
+pub(crate) const DEPTH: u8 = 16;
 
 /// OctoMap's key of our voxel 0, and the extent of its keys to both sides.
-pub(super) const KEY_OFFSET: i32 = 1 << (DEPTH - 1);
+pub(crate) const KEY_OFFSET: i32 = 1 << (DEPTH - 1);
 
 /// The place of a node in space.
 #[derive(Clone, Copy)]
-pub(super) struct NodeCube {
+pub(crate) struct NodeCube {
     pub min: VoxelKey,
     pub depth: u8,
 }
@@ -23,7 +23,7 @@ impl NodeCube {
 }
 
 /// The places of the nodes of a tree, in preorder.
-pub(super) struct Preorder {
+pub(crate) struct Preorder {
     /// The next place on top. At most seven siblings wait on each level.
     pending: Vec<NodeCube>,
 }

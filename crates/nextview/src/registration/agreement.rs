@@ -1,5 +1,7 @@
+use super::fitting::PoseComparison;
+use super::known_surface::KnownSurface;
+use super::{Registration, RegistrationConfig, Verdict};
 use crate::geometry::Aabb;
-use crate::registration::{KnownSurface, PoseComparison, Registration, RegistrationConfig, Verdict};
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled};
 
@@ -27,7 +29,7 @@ const LEAST_OVERLAP: f64 = 0.3;
 
 /// Counts how many given poses proved wrong, each frame compared with those before it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Agreement {
+pub(crate) struct Agreement {
     /// Number of frames that overlap with those before them.
     n_compared: usize,
     /// Number of frames whose pose is wrong.
@@ -67,7 +69,7 @@ fn is_wrong(&PoseComparison { found, apart }: &PoseComparison, spacing: f64) -> 
 /// normal, metres, the median over frames that an alignment to those before them brings together. `None`
 /// unless the number of frames is the one to compare, and two are more than half a voxel (of this edge,
 /// metres) apart.
-pub(super) fn apart(
+pub(crate) fn apart(
     frames: &[Frame],
     bounds: Aabb,
     voxel_size: f64,

@@ -1,8 +1,8 @@
-use super::preorder::{DEPTH, KEY_OFFSET};
-use super::tree::{Octree, StoredNode, TreeKind};
-use crate::Error;
-use crate::geometry::{Lattice, VoxelKey, local_origin};
+use crate::preorder::{DEPTH, KEY_OFFSET};
+use crate::tree::{Octree, StoredNode, TreeKind};
 use glam::IVec3;
+use nextview::Error;
+use nextview::geometry::{Lattice, VoxelKey, local_origin};
 
 impl Octree {
     /// Builds an `OcTree` with one leaf per voxel, given in any order as key and log-odds; `voxel_size` is in

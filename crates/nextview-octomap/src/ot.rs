@@ -1,8 +1,8 @@
-use super::header::{Encoding, write_header};
-use super::node_reader::NodeReader;
-use super::preorder::{DEPTH, Preorder};
-use super::tree::{Octree, StoredNode, TreeKind};
-use crate::Error;
+use crate::header::{Encoding, write_header};
+use crate::node_reader::NodeReader;
+use crate::preorder::{DEPTH, Preorder};
+use crate::tree::{Octree, StoredNode, TreeKind};
+use nextview::Error;
 use std::io::{BufWriter, Read, Write};
 
 impl Octree {
@@ -21,7 +21,7 @@ impl Octree {
     }
 }
 
-pub(super) fn read_nodes(nodes: &mut NodeReader<impl Read>) -> Result<(), Error> {
+pub(crate) fn read_nodes(nodes: &mut NodeReader<impl Read>) -> Result<(), Error> {
     let mut preorder = Preorder::new();
     while let Some(place) = preorder.next_place() {
         let node = read_node(nodes)?;

@@ -1,6 +1,6 @@
-use super::preorder::DEPTH;
-use super::tree::{Octree, StoredNode, TreeKind};
-use crate::Error;
+use crate::preorder::DEPTH;
+use crate::tree::{Octree, StoredNode, TreeKind};
+use nextview::Error;
 use std::borrow::Cow;
 
 impl Octree {

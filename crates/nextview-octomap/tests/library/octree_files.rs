@@ -4,9 +4,9 @@
 
 use glam::{DVec3, IVec3};
 use nextview::geometry::{Aabb, Lattice, VoxelKey};
-use nextview::map::octree::{Octree, TreeKind};
 use nextview::map::{LogOdds, entropy};
 use nextview_checks::data;
+use nextview_octomap::{Octree, TreeKind};
 
 #[test]
 fn authors_maps_come_back_byte_for_byte() {

@@ -6,6 +6,7 @@
 
 mod bt;
 mod build;
+mod convert;
 mod header;
 mod node_reader;
 mod nodes;

@@ -1,11 +1,11 @@
-use super::header::MapHeader;
-use super::source::{TrackedFile, error_at};
-use super::tree::{Octree, StoredNode};
-use crate::Error;
+use crate::header::MapHeader;
+use crate::source::{TrackedFile, error_at};
+use crate::tree::{Octree, StoredNode};
+use nextview::Error;
 use std::io::Read;
 
 /// A tree that grows while its file is read.
-pub(super) struct NodeReader<R> {
+pub(crate) struct NodeReader<R> {
     source: TrackedFile<R>,
     tree: Octree,
     n_expected: u64,

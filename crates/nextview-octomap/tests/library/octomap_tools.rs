@@ -4,9 +4,9 @@
 
 use glam::{DVec3, IVec3};
 use nextview::geometry::Lattice;
-use nextview::map::octree::Octree;
 use nextview::map::{Integration, OccupancyMap, RayRule, SensorModel};
 use nextview_checks::{data, skipped};
+use nextview_octomap::Octree;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;

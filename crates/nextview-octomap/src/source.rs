@@ -1,4 +1,4 @@
-use crate::Error;
+use nextview::Error;
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 
 /// Longest header line; OctoMap's own have 73 bytes. This keeps a file without line ends from filling the
@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader, ErrorKind, Read};
 const MAX_LINE: u64 = 4096;
 
 /// A file read sequentially, with its position tracked for errors.
-pub(super) struct TrackedFile<R> {
+pub(crate) struct TrackedFile<R> {
     reader: BufReader<R>,
     n_lines: usize,
     position: u64,
@@ -66,6 +66,6 @@ impl<R: Read> TrackedFile<R> {
 }
 
 /// Returns an error at a byte offset from the file's start.
-pub(super) fn error_at(position: u64, problem: impl ToString) -> Error {
+pub(crate) fn error_at(position: u64, problem: impl ToString) -> Error {
     Error::Format { place: format!("byte {position}"), problem: problem.to_string() }
 }

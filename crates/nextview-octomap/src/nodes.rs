@@ -1,5 +1,5 @@
-use super::preorder::{NodeCube, Preorder};
-use super::tree::{Leaf, Octree, StoredNode, TreeKind};
+use crate::preorder::{NodeCube, Preorder};
+use crate::tree::{Leaf, Octree, StoredNode, TreeKind};
 
 impl Octree {
     /// Returns the leaves in preorder: octant by octant, x varying fastest, then y, then z.
@@ -12,13 +12,13 @@ impl Octree {
         })
     }
 
-    pub(super) fn nodes(&self) -> Nodes<'_> {
+    pub(crate) fn nodes(&self) -> Nodes<'_> {
         Nodes::new(self)
     }
 }
 
 /// The nodes of a tree in preorder, with their places.
-pub(super) struct Nodes<'a> {
+pub(crate) struct Nodes<'a> {
     tree: &'a Octree,
     idx: usize,
     preorder: Preorder,

@@ -1,9 +1,9 @@
-use super::header::{Encoding, write_header};
-use super::node_reader::NodeReader;
-use super::preorder::DEPTH;
-use super::tree::{Octree, StoredNode};
-use crate::Error;
-use crate::map::{LogOdds, SensorModel};
+use crate::header::{Encoding, write_header};
+use crate::node_reader::NodeReader;
+use crate::preorder::DEPTH;
+use crate::tree::{Octree, StoredNode};
+use nextview::Error;
+use nextview::map::{LogOdds, SensorModel};
 use std::io::{BufWriter, Read, Write};
 
 /// The meaning of the two bits of a child, child 0 in the lowest bits of an inner node's little-endian word.
@@ -46,7 +46,7 @@ impl Default for Clamps {
     }
 }
 
-pub(super) fn read_nodes(nodes: &mut NodeReader<impl Read>) -> Result<(), Error> {
+pub(crate) fn read_nodes(nodes: &mut NodeReader<impl Read>) -> Result<(), Error> {
     read_inner(nodes, 0, &Clamps::default()).map(|_| ())
 }
 
@@ -161,7 +161,7 @@ mod tests {
 
     impl Octree {
         /// The slow twin: the words of the pruned tree of most likely occupancies, backwards.
-        pub(in super::super) fn write_bt_slowly(&self) -> Vec<u8> {
+        pub(crate) fn write_bt_slowly(&self) -> Vec<u8> {
             let clamps = Clamps::default();
             let likely = |l: f32| if l >= 0.0 { clamps.occupied } else { clamps.free };
             let tree = self.clone().map_log_odds(likely).pruned();

@@ -1,8 +1,8 @@
 //! Properties of every tree and every file: round trips, and no panic on broken ones.
 
-use super::header::Encoding;
-use super::preorder::{DEPTH, Preorder};
-use super::tree::{Octree, StoredNode, TreeKind};
+use crate::header::Encoding;
+use crate::preorder::{DEPTH, Preorder};
+use crate::tree::{Octree, StoredNode, TreeKind};
 use glam::IVec3;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
