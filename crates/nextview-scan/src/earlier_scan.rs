@@ -143,7 +143,7 @@ mod tests {
         let found = kept.clone().found_from(&moved.join("turned"));
         assert_eq!(found.after, Some(moved.join("mug")));
         found.check_earlier().unwrap();
-        // For a folder elsewhere, the whole path.
+        // For a folder elsewhere, the absolute path.
         let elsewhere = after(moved.join("mug")).kept_in(&folder.join("other/turned"));
         assert_eq!(elsewhere.after, Some(moved.join("mug").canonicalize().unwrap()));
         assert_eq!(elsewhere.clone().found_from(&folder), elsewhere);

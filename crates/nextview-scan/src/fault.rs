@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub struct Fault {
     /// Who can correct it.
     pub kind: FaultKind,
-    /// Its place, if in a file.
+    /// Where the fault is, if it is in a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub place: Option<FilePosition>,
     /// Dotted key of the configuration, such as `max_flow.gamma`; `None` if it is not about one value.
@@ -204,7 +204,7 @@ impl From<RecordingError> for Fault {
     fn from(error: RecordingError) -> Self {
         match error {
             RecordingError::InFile { path, error } => Self::from(*error).within(path.display()),
-            // That library's options are keys of `recording.read` here.
+            // The options of the recording library are keys of `recording.read` here.
             RecordingError::Option { key, problem } => {
                 let key = format!("recording.read.{key}");
                 Self { key: Some(key.clone()), ..Self::data(format!("{problem} as `{key}`")) }

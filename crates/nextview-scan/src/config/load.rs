@@ -168,8 +168,8 @@ fn of_camera(problem: &Mismatch, whole: &Value) -> Option<Vec<Fault>> {
 }
 
 impl Fault {
-    /// An unknown key, with the nearest known key, or with all known keys if they are few. The prefix leads
-    /// to all of them.
+    /// The fault of an unknown key. Its remedy names the nearest known key, or all known keys if they are
+    /// few. The prefix is put before each of them.
     pub fn unknown_key<'a>(prefix: &str, word: &str, known: impl Iterator<Item = &'a str> + Clone) -> Self {
         // Words are truncated more often than misspelt, so a common prefix counts for a candidate.
         let alike = |known: &&str| word.chars().zip(known.chars()).take_while(|(a, b)| a == b).count();

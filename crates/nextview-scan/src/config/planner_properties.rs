@@ -3,7 +3,7 @@ use super::{Named, PlannerName};
 /// What a planner needs, offers and reads, as stated in its row of the table of planners.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PlannerProperties {
-    /// The section of the configuration with its parameters; `None` if it has none.
+    /// The section of the configuration with the planner's parameters; `None` if it has no parameters.
     pub section: Option<&'static str>,
     /// Whether its section's `gamma` is always 0 for it.
     pub fixes_gamma: bool,

@@ -59,7 +59,7 @@ impl ReachConfig {
         self.rule().check().err().map(fault).into_iter().collect()
     }
 
-    /// Keeps the candidates within reach. Fails if there are none.
+    /// Keeps the candidates within reach. Fails if no candidate is left.
     pub fn filter<T>(&self, candidates: Vec<T>, position: impl Fn(&T) -> DVec3) -> Result<Vec<T>, Fault> {
         let (reach, n) = (self.rule(), candidates.len());
         let around = Aabb::around(candidates.iter().map(&position));
@@ -76,7 +76,7 @@ impl ReachConfig {
         }
     }
 
-    /// Keeps the view candidates within reach, with a note on the number left unless reach is unlimited.
+    /// Keeps the view candidates within reach. Unless reach is unlimited, a note states how many are left.
     pub fn views(&self, views: ViewSpace) -> Result<(ViewSpace, Option<String>), Fault> {
         if self.is_default() {
             return Ok((views, None));

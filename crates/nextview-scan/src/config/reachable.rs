@@ -29,8 +29,8 @@ impl ScanConfig {
         Ok(Held { reach: change(self.reach.rule()), robot })
     }
 
-    /// Keeps the candidates within reach, renumbered, with a note on the number left unless reach is
-    /// unlimited. Fails if none is left.
+    /// Keeps the candidates within reach, renumbered. Unless reach is unlimited, a note states how many are
+    /// left. Fails if no candidate is left.
     pub(crate) fn within_reach(&self, views: ViewSpace) -> Result<(ViewSpace, Option<String>), Fault> {
         let (views, note) = self.reach.views(views)?;
         let Some(robot) = &self.robot else { return Ok((views, note)) };

@@ -30,7 +30,7 @@ pub struct RobotConfig {
     /// the two poses above.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_from_camera: Option<Pose>,
-    /// Pose on the flange of the object it carries, and so of the world.
+    /// Pose of the world on the flange that carries the object: the world is fixed to the object.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flange_from_world: Option<Pose>,
     /// The joint values before the first view, in radians or metres. By default, the arm starts at the first
@@ -40,7 +40,7 @@ pub struct RobotConfig {
     /// The camera's body, given by its lowest and highest corners in the camera frame. Default: that of a
     /// RealSense D435i, 90 x 25 x 25 mm behind its glass.
     pub camera_body_m: [f64; 6],
-    /// Height, in the frame of the base, of a table to avoid, in addition to the object's.
+    /// Height, in the frame of the base, of a table to avoid, in addition to the object's table.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table_z_m: Option<f64>,
     /// Boxes to avoid in the frame of the base, given by their lowest and highest corners.

@@ -39,7 +39,8 @@ pub struct ScanConfig {
     pub views: Option<usize>,
     /// Number of view candidates that a rule generates.
     pub candidates: usize,
-    /// Number of the first candidate, from 0; in a recording, its place among the frames in use.
+    /// Number of the first view among the candidates, from 0; in a recording, its place among the frames in
+    /// use.
     pub first_view: usize,
     /// Edge of a voxel. Default: about a fortieth of the object's longest side.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -49,7 +50,7 @@ pub struct ScanConfig {
     /// Distance of a rule's candidates, except the shell's, from the object's middle. Default: 3 x size.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view_distance_m: Option<f64>,
-    /// That distance, as the excess over half the diagonal of the object's box.
+    /// The view distance in excess of half the diagonal of the object's box, instead of `view_distance_m`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view_standoff_m: Option<f64>,
     /// Seed of the planners random and receding-horizon and, without `view_seed`, of the random shell.
@@ -151,7 +152,8 @@ pub struct ScanConfig {
     #[serde(flatten, skip_deserializing)]
     #[cfg_attr(feature = "schema", schemars(!skip_deserializing))]
     pub source: SourceConfig,
-    /// That camera is fixed, and the object turns: candidates are angles. Requires `view_space` = ring.
+    /// A turntable that turns the object in front of a fixed camera: candidates are its angles. Requires
+    /// `live` and `view_space` = ring.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turntable: Option<TurntableConfig>,
 }

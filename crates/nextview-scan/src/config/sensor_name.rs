@@ -1,8 +1,9 @@
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The name of a known sensor, or a `.toml` file that states how another one differs from it: its name as
-/// `like`, and tables `camera` and `noise.depth` with the keys of a configuration.
+/// The name of a known sensor, or a `.toml` file with the differences of another sensor from a known one: the
+/// key `like` names the known one, and the tables `camera` and `noise.depth` have the keys of a
+/// configuration.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(transparent)]

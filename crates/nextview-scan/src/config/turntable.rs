@@ -20,7 +20,7 @@ pub struct TurntableConfig {
     pub plate_radius_m: f64,
 }
 
-/// The camera is nearer to the axis than this: a larger plate would hit it.
+/// Maximum radius of a plate in metres: the camera is nearer to the axis, so a larger plate would hit it.
 const LARGEST_RADIUS_M: f64 = 100.0;
 
 impl TurntableConfig {

@@ -30,18 +30,18 @@ fn read_by<'de, T: DeserializeSeed<'de>>(seed: T, value: &Value) -> Result<T::Va
 /// The first mismatch.
 #[derive(Clone, Debug)]
 pub(super) struct Mismatch {
-    /// Path of keys and list indices to it, innermost first.
+    /// Path of keys and list indices to the mismatch, innermost first.
     path: Vec<String>,
     pub what: What,
 }
 
 #[derive(Clone, Debug)]
 pub(super) enum What {
-    /// The last part of the path is not a key; these are.
+    /// The last part of the path is not a key; these are the valid ones.
     Unknown(&'static [&'static str]),
-    /// The last part of the path is a required key.
+    /// The last part of the path is a required key that is missing.
     Missing,
-    /// A value of another kind or out of range.
+    /// The value has the wrong type or is out of range.
     Unfit { value: Option<String>, expected: String },
     /// An error in the type's own words.
     Other(String),
@@ -77,7 +77,7 @@ impl Mismatch {
         dotted(&self.path)
     }
 
-    /// The dotted key of the table that contains it.
+    /// The dotted key of the table that contains the mismatch.
     pub fn parent(&self) -> String {
         dotted(self.path.get(1..).unwrap_or_default())
     }
@@ -150,7 +150,7 @@ impl de::Error for Mismatch {
     }
 }
 
-/// Describes the expected value where serde names a Rust type.
+/// Describes an expected value to users: serde gives only the name of a Rust type.
 fn in_words(expected: &dyn Expected) -> String {
     let expected = expected.to_string();
     match expected.as_str() {

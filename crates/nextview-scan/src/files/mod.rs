@@ -1,5 +1,5 @@
-//! Files. Those that are read are regular and of bounded size; those that are written appear as a whole, and
-//! never replace protected files.
+//! Reading and writing files. Only regular files of bounded size are read. Files are written as a whole or
+//! not at all, and never replace protected files.
 
 mod keep;
 mod numbered;

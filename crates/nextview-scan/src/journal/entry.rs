@@ -45,7 +45,8 @@ struct FrameEntry {
 const VERSION: u8 = 2;
 
 impl Entry<'_> {
-    /// Its bytes. For a frame: version, length of the head, head, and compressed depth and colours.
+    /// The bytes of the entry. For a frame: version, length of the head, head, and compressed depth and
+    /// colours.
     pub fn to_bytes(&self) -> Vec<u8> {
         match self {
             Self::Heading(text) => [&[VERSION], text.as_bytes()].concat(),

@@ -61,16 +61,16 @@ pub struct Kept {
     pub heading: String,
     /// Frames and skipped views, oldest first.
     pub entries: Vec<JournalEntry>,
-    /// The damage after the last entry, moved to a separate file; `None` if the journal was whole.
+    /// The damage after the last entry, moved to a separate file; `None` if the journal was undamaged.
     pub damage: Option<Damage>,
 }
 
 /// Bytes at the end of a journal that could not be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Damage {
-    /// Its offset in bytes.
+    /// Offset of the damage in bytes.
     pub at: u64,
-    /// Its length, in bytes.
+    /// Length of the damage in bytes.
     pub length: u64,
     /// The fault at that offset.
     pub problem: String,
@@ -88,7 +88,7 @@ impl fmt::Display for Damage {
 }
 
 impl Journal {
-    /// Creates a journal, which appears as a whole. Fails if one exists.
+    /// Creates a journal, which appears as a whole or not at all. Fails if the file exists.
     pub fn create(path: &Path, heading: &str) -> Result<Self, Fault> {
         if path.exists() {
             return Err(Fault::data("already exists").in_file(path));
@@ -120,13 +120,13 @@ impl Journal {
         files::open(path).is_ok_and(is_locked)
     }
 
-    /// Whether there is a whole journal that contains only its heading.
+    /// Whether there is an undamaged journal that contains only its heading.
     pub(super) fn is_bare(path: &Path) -> bool {
         let found = files::read(path, MAX_BARE).and_then(|bytes| read::read(&bytes));
         found.is_ok_and(|found| found.entries.is_empty() && found.problem.is_none())
     }
 
-    /// Its absolute path.
+    /// Absolute path of the journal.
     pub(super) fn place(&self) -> &Path {
         &self.place
     }
@@ -162,7 +162,7 @@ impl Journal {
                 false => "is the disk full?",
             })
         });
-        // Last, to ensure that everything on the disk can be found there.
+        // Checked last, to ensure that everything on the disk can be found there.
         if let Err(fault) = written.and_then(|()| self.check()) {
             // A partly written entry would be taken for damage.
             let _ = self.file.set_len(self.end);
@@ -218,7 +218,7 @@ impl Journal {
         Ok((journal, Kept { heading: found.heading, entries: found.entries, damage }))
     }
 
-    /// Moves the bytes after the last whole entry to a file next to the journal.
+    /// Moves the bytes after the last undamaged entry to a file next to the journal.
     fn cut(&mut self, bytes: &[u8], problem: String) -> io::Result<Damage> {
         let moved_to = free_name(&self.path);
         let mut file = File::create_new(&moved_to)?;

@@ -29,7 +29,7 @@ pub struct KeptFrame {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SkippedView {
-    /// Its number.
+    /// Number of the view.
     pub view: usize,
     /// The reason, in the words of the client that skipped it.
     pub reason: String,

@@ -20,13 +20,13 @@ pub(super) fn framed(number: u64, payload: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The whole part of a journal.
+/// The undamaged part of a journal.
 pub(super) struct ReadJournal {
     pub heading: String,
     pub entries: Vec<JournalEntry>,
-    /// The offset of its end.
+    /// Offset in bytes of the end of this part.
     pub end: usize,
-    /// The fault at that offset; `None` at the end of the file.
+    /// The fault at that offset; `None` if it is the end of the file.
     pub problem: Option<String>,
 }
 

@@ -44,10 +44,10 @@ pub struct LiveScan {
     run: ScanRun<'static>,
     cancel: Cancel,
     damage: Option<Damage>,
-    /// By step, the fingerprint of the frame as given.
+    /// For each step, the fingerprint of the frame as given.
     fingerprints: Vec<u64>,
     pub(super) poses: KnownPoses,
-    /// Its journal is gone: a further frame would be in no file.
+    /// Whether the journal was removed: a further frame would be in no file.
     is_closed: bool,
 }
 

@@ -11,7 +11,8 @@ pub struct TurnRecord {
     /// Why the turn is unknown; `None` if it is known. If unknown, the model contains only this scan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refusal: Option<TurnRefusal>,
-    /// Current position of the previous scan's origin; this and all else `None` if the turn is unknown.
+    /// Current position of the previous scan's origin; this and all following keys are `None` if the turn is
+    /// unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_m: Option<[f64; 3]>,
     /// The rotation from the previous scan to this one.
@@ -24,7 +25,7 @@ pub struct TurnRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual_mm: Option<f64>,
     /// Mean distance by which the turn misplaces the true surface; `None` if that is unknown. For a symmetric
-    /// object, every pose that maps it onto itself is right.
+    /// object, every pose that maps it onto itself counts as right.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_mm: Option<f64>,
 }

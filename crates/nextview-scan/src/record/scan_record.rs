@@ -63,10 +63,10 @@ pub struct ScanRecord {
     /// `reachable_coverage` after each view for random views: mean of many sequences.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub random_curve: Option<Vec<f64>>,
-    /// 5th percentile of these sequences.
+    /// 5th percentile of the random sequences.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub random_low_curve: Option<Vec<f64>>,
-    /// 95th percentile of these sequences.
+    /// 95th percentile of the random sequences.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub random_high_curve: Option<Vec<f64>>,
     /// `reachable_coverage` after each view for the planner that knows the object.
@@ -85,7 +85,7 @@ pub struct ScanRecord {
     /// 0..=1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage_auc_time: Option<f64>,
-    /// The end of that time.
+    /// The moving and sensing time over which `coverage_auc_time` is the mean.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage_auc_horizon_s: Option<f64>,
 
@@ -93,8 +93,8 @@ pub struct ScanRecord {
     /// states it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub box_rule: Option<BoxRule>,
-    /// Side of the box relative to the object's longest side, without the next margin; `None` if the box was
-    /// given.
+    /// Side of the box relative to the object's longest side, without `box_margin_voxels`; `None` if the box
+    /// was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub box_margin_factor: Option<f64>,
     /// Additional margin of the box on each side in voxels.
@@ -118,13 +118,13 @@ pub struct ScanRecord {
     /// identity if the first pose is right; this and the next three are `None` if no model was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_translation_m: Option<[f64; 3]>,
-    /// Its rotation, scalar last.
+    /// Rotation of the alignment, scalar last.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_quaternion_xyzw: Option<[f64; 4]>,
-    /// Distance by which it moves the middle of the true object.
+    /// Distance by which the alignment moves the middle of the true object.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_moved_mm: Option<f64>,
-    /// Angle of its rotation.
+    /// Angle of the alignment's rotation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_turned_deg: Option<f64>,
     /// Mean distance from the points of the final cloud to the true surface; this and the following cloud

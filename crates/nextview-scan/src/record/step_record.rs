@@ -41,8 +41,8 @@ pub struct StepRecord {
     /// Further quantities that explain the planner's choice, with units in the names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explanation: Option<Explanation>,
-    /// Voxels seen before this view, in the planner's voxel size; this and the next four `None` for planners
-    /// without estimates.
+    /// Voxels seen before this view, in the planner's voxel size; this and the next four are `None` for
+    /// planners without estimates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub planner_seen_voxels: Option<usize>,
     /// Number of voxels that this view was expected to add.
@@ -127,12 +127,12 @@ pub struct StepRecord {
     /// Whether the frame was set aside: it is not in the map, unless a later step recovers it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub registration_set_aside: Option<bool>,
-    /// Numbers of the steps with frames that had been set aside and were added to the map with this one.
+    /// Numbers of earlier steps whose frames had been set aside and were added to the map in this step.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub registration_recovered_steps: Vec<usize>,
 
-    /// Occupied object voxels of the map over object voxels, 0..=1; this and the following up to the path
-    /// `None` if the true object is unknown.
+    /// Occupied object voxels of the map over object voxels, 0..=1; this and all following measures before
+    /// the path are `None` if the true object is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub voxel_coverage: Option<f64>,
     /// Occupied voxels that are not object voxels.
@@ -170,7 +170,7 @@ pub struct StepRecord {
     /// keys are in backticks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
-    /// Mean distance from all points measured so far to the true surface; this and the next two for
+    /// Mean distance from all points measured so far to the true surface; this and the next two are for
     /// recordings only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy_mean_mm: Option<f64>,

@@ -31,7 +31,7 @@ pub struct ViewRecord {
     /// Further quantities that explain the planner's choice, with units in the names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explanation: Option<Explanation>,
-    /// Number of voxels that this view is expected to add; this and the next three `None` for planners
+    /// Number of voxels that this view is expected to add; this and the next three are `None` for planners
     /// without estimates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected_new_voxels: Option<f64>,

@@ -121,7 +121,7 @@ pub struct Results {
 }
 
 /// Adds all results of a scan except the pages that show it: configuration, record, poses, waypoints, map,
-/// model, frames. Failures are reported, and everything else is added.
+/// model, frames. A result that cannot be made is reported, and all others are added.
 ///
 /// # Errors
 /// If the scan is cancelled: the missing results could be made, so the folder must not be published. If the

@@ -40,7 +40,8 @@ impl SavedMap {
         Octree::read(files::open(path)?).map_err(|e| Fault::from(e).in_file(path))
     }
 
-    /// Reads a map and view candidates, for a camera with these optics after these views were taken.
+    /// Reads a map and view candidates. The camera has these optics and has already taken the `visited`
+    /// views.
     ///
     /// Without bounds, the planning box encloses the map's occupied voxels; its memory must be in proportion
     /// to the size of the file. Fails if all views are too far from the box to show any of it.

@@ -11,7 +11,7 @@ use nextview_robot::{Mount, RobotCell, Shape, ShapeKind};
 /// Maximum number of samples in a path search.
 const EFFORT: usize = 2000;
 
-/// Maximum number of joint values per pose as goals of a path search.
+/// Maximum number of sets of joint values per pose that serve as goals of a path search.
 const MOST_GOALS: usize = 16;
 
 /// Maximum error of a robot's stated pose, in metres, to count as the pose it was sent to.
@@ -26,7 +26,7 @@ pub(super) struct ScanArm {
     cell: RobotCell,
     /// The current joint values; `None` if unknown.
     values: Option<Vec<f64>>,
-    /// By candidate, its reachability in the map after the last frame.
+    /// For each candidate, whether the arm can reach it in the map after the last frame.
     survey: Option<ArmSurvey>,
 }
 
@@ -76,7 +76,8 @@ impl ScanArm {
         Ok(ArmSurvey { checker, solutions, times })
     }
 
-    /// The time to the nearest of these values; 0 if the current ones are unknown.
+    /// Time in seconds to move to the nearest of these sets of joint values; 0 if the current ones are
+    /// unknown, `None` if there is no set.
     fn time_to(&self, solutions: &[Vec<f64>]) -> Option<f64> {
         let time = |values: &Vec<f64>| {
             self.values.as_ref().map_or(0.0, |from| motion_time(self.cell.arm(), from, values))
@@ -128,7 +129,7 @@ impl ScanArm {
         }
     }
 
-    /// The solutions nearest in time; more than a few do not help a search.
+    /// The solutions that take the least time to reach; more than a few do not help a search.
     fn nearest(&self, from: &[f64], solutions: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let time = |values: Vec<f64>| (motion_time(self.cell.arm(), from, &values), values);
         let mut timed: Vec<_> = solutions.into_iter().map(time).collect();
@@ -165,7 +166,7 @@ impl ScanArm {
     }
 }
 
-/// Of several values, those farthest from the joint limits.
+/// The solution whose joint values are farthest from their limits; `None` if there are no solutions.
 fn most_central(cell: &RobotCell, solutions: &[Vec<f64>]) -> Option<Vec<f64>> {
     let off = |values: &Vec<f64>| {
         let joints = cell.arm().joints.iter().zip(values);
@@ -203,7 +204,7 @@ fn checker(cell: &RobotCell, session: &Session) -> Result<Checker, Fault> {
                 });
             }
         }
-        // Its voxels would move with the flange.
+        // The voxels of a carried object would move with the flange.
         Mount::Object { flange_from_world, .. } => attached.extend(session.bounds().map(|bounds| {
             let middle = Pose::new(DQuat::IDENTITY, bounds.center()).expect("a box is within reach");
             let kind = ShapeKind::Box(0.5 * bounds.size());

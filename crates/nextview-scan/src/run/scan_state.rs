@@ -28,16 +28,16 @@ pub struct ScanState<'a> {
     pub(crate) earlier: Option<EarlierScan>,
     /// What the configuration states about the frames.
     pub(crate) stated: ScanFacts,
-    /// By step, the requested view; `None` if its frame was not requested.
+    /// For each step, the requested view; `None` if its frame was not requested.
     pub(crate) requested: Vec<Option<NextView>>,
     /// The trajectory from the preceding view to each view.
     pub trajectories: Vec<Trajectory>,
-    /// By step, the motion of the robot to its view; `None` if there is no robot, or if the frame was not
-    /// requested.
+    /// For each step, the motion of the robot to its view; `None` if there is no robot, or if the frame was
+    /// not requested.
     pub joint_trajectories: Vec<Option<JointTrajectory>>,
     /// The views.
     pub steps: Vec<StepRecord>,
-    /// By step, the colours pushed with its frame.
+    /// For each step, the colours pushed with its frame.
     pub(crate) colors: Vec<Option<ColorImage>>,
     /// The reason why the scan ended; `None` while it is in progress.
     pub stop_reason: Option<StopReason>,

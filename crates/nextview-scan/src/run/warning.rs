@@ -49,12 +49,12 @@ pub(super) const POSES_AS_GIVEN: &str =
 enum Advice {
     /// Set a key to a value.
     Try(&'static str),
-    /// What the poses in the files look like, and the key that converts them wrongly.
+    /// Leave out a key that converts the poses wrongly: what they look like in the files, and the key.
     LeaveOut(&'static str, &'static str),
 }
 
-/// The key that reads the poses correctly; `None` if no value does. The reading was found for poses that had
-/// been read as stated.
+/// The key that reads the poses correctly; `None` if no value does. `reading` was found for poses that had
+/// already been read as `read` states.
 fn of_key(reading: Reading, read: &ReadOptions) -> Option<Advice> {
     const AXES: &str = "recording.read.camera_axes";
     match (reading, read.camera_axes) {

@@ -6,7 +6,7 @@ use nextview::sensor::{DepthRange, SurfaceNoise};
 use nextview::session::SessionConfig;
 
 /// Voxel size in metres if the box grows: the object's size is unknown when the voxels are chosen, and this
-/// suits one of 0.2 m.
+/// voxel size suits an object of 0.2 m.
 pub(super) const VOXEL_SIZE: f64 = 0.005;
 
 /// The session's part of a configuration, for this number of candidates and an object in this box on this

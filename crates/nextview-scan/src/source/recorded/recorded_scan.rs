@@ -203,7 +203,8 @@ impl Evaluator for RecordedEvaluator<'_> {
     fn measure_model(&self, cloud: &[DVec3], mesh: Option<&SurfaceMesh>, record: &mut ScanRecord) {
         let Some(truth) = &self.scan.truth else { return };
         let reachable = self.scan.shown.as_ref().map(|(shown, _)| &shown.reachable_surface);
-        // The pose of the truth in the recording's world was given; its error is not the scan's alone.
+        // The pose of the true mesh in the recording's world was given, so an error may not be the scan's
+        // alone.
         measure_model((&truth.surface, reachable), &Pose::IDENTITY, cloud, mesh, record);
     }
 

@@ -51,7 +51,7 @@ impl TrueShape {
         Ok(Some(Self { surface: TrueSurface::new(&mesh), voxels, mesh, note }))
     }
 
-    /// The surface shown by every frame. Fails if cancelled.
+    /// The part of the surface that each frame shows. Fails if cancelled.
     pub fn shown_by(&self, recording: &Recording, cancel: &Cancel) -> Result<Truth, Fault> {
         let start = Instant::now();
         let nothing = SurfaceCoverage::new(&self.mesh);

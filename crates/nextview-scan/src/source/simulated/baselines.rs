@@ -15,12 +15,12 @@ use std::time::{Duration, Instant};
 /// random views of an object of 0.2 m.
 const MOVING_TIME: f64 = 4.0;
 
-/// The truth of an object and its candidates: the surface truly visible from each.
+/// Ground truth about an object and its candidates: the surface visible from each candidate.
 #[derive(Debug)]
 pub struct Truth {
-    /// By candidate: object voxels or, for a recording, surface samples.
+    /// For each candidate: object voxels or, for a recording, surface samples.
     pub visibility: Arc<TrueVisibility>,
-    /// The object voxels with a point of the object measured by any candidate.
+    /// The object voxels in which any candidate measures a point of the object.
     pub reachable_voxels: FixedBitSet,
     /// The part of the true surface visible from any candidate.
     pub reachable_surface: ReachableSurface,

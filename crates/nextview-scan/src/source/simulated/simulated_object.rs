@@ -126,8 +126,8 @@ fn view_space(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Fault> {
     })
 }
 
-/// Minimum height of candidates above the table in metres: clear of it for the session, too, which fits it to
-/// a millimetre.
+/// Minimum height of candidates above the table in metres. They must also be clear of the table that the
+/// session finds, which is within a millimetre of the true one.
 const LOWEST_VIEW: f64 = 0.03;
 
 fn views_of_file(config: &ScanConfig, scene: &Scene) -> Result<ViewSpace, Fault> {

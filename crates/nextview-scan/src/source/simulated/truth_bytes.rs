@@ -11,7 +11,7 @@ use std::time::Duration;
 const BLOCK: usize = size_of::<usize>();
 
 impl Truth {
-    /// Serializes the truth, which belongs to this object, without the time taken.
+    /// Serializes the truth of this object, without the time taken to compute it.
     pub(super) fn to_bytes(&self, object: &SimulatedObject) -> Vec<u8> {
         let views = (0..self.visibility.n_views()).map(|view| self.visibility.seen(view));
         let mut bytes: Vec<u8> = views.flat_map(bytes_of).collect();

@@ -15,13 +15,13 @@ const MAGIC: &[u8] = b"nextview truth 1\n";
 /// Bytes of a hash.
 const HASH: usize = 32;
 
-/// A folder with the truths of objects, shared by all processes that use the same ones.
+/// A folder with the ground truths of objects, shared by all processes that use the same objects.
 ///
 /// An entry is named by the hash of everything its truth depends on: the object in metres, the candidates,
 /// the part of the configuration that determines them and the camera, and the build of the program. It
-/// appears as a whole, has a checksum, and is computed again if that is wrong. Results are therefore the same
-/// with and without the cache, whatever the folder contains. If it cannot be written or read, truths are
-/// computed.
+/// appears as a whole, has a checksum, and is computed again if the checksum is wrong. Results are therefore
+/// the same with and without the cache, whatever the folder contains. If an entry cannot be written or read,
+/// its truth is computed.
 ///
 /// When the entries exceed the bound, the least recently used ones are removed. Other files are left alone.
 #[derive(Clone, Debug)]
@@ -96,7 +96,7 @@ impl TruthCache {
     }
 }
 
-/// Reads the entry in a file without its checksum, if it is whole and has this key, and marks it as used.
+/// Reads an entry, without its checksum, and marks it as used; `None` if it is damaged or has another key.
 fn read(path: &Path, key: &[u8], n_bytes: usize) -> Option<Vec<u8>> {
     let n_bytes = MAGIC.len() + HASH + n_bytes + HASH;
     let mut entry = files::read(path, n_bytes as u64).ok()?;

@@ -32,7 +32,7 @@ pub(super) fn turn(mesh: &TriangleMesh, results: &Path, seed: u64) -> Result<Pos
 }
 
 /// Mean distance in metres by which a found turn misplaces the true surface. For a symmetric object, every
-/// pose that maps it onto itself is right.
+/// pose that maps it onto itself counts as right.
 pub(super) fn turn_error(surface: &TrueSurface, true_turn: &Pose, found: &Pose) -> f64 {
     let found_from_true = *found * true_turn.inverse();
     let distances =
