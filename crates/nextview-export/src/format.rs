@@ -89,17 +89,17 @@ impl Format {
         }
     }
 
-    /// Whether it is useless without colour images.
+    /// Whether the format is useless without colour images.
     pub(crate) fn needs_color(self) -> bool {
         matches!(self, Self::Colmap | Self::FoundationPose | Self::Nerfstudio | Self::Obj)
     }
 
-    /// Whether it holds pictures.
+    /// Whether the format holds pictures.
     pub(crate) fn has_views(self) -> bool {
         !matches!(self, Self::Obj | Self::Pcd)
     }
 
-    /// Whether it holds the mesh, or masks made from it.
+    /// Whether the format holds the mesh, or masks made from the mesh.
     pub(crate) fn needs_mesh(self) -> bool {
         matches!(self, Self::Bop | Self::Colmap | Self::FoundationPose | Self::Nerfstudio | Self::Obj)
     }

@@ -54,7 +54,7 @@ pub fn export(results: &Path, format: Format, out: &Path, rule: Overwrite) -> Re
 /// Returns the files of an export without writing them.
 ///
 /// # Errors
-/// As [`export`], except for those of the folder `out`.
+/// Those of [`export`], except the ones about the folder `out`.
 pub fn export_files(results: &Path, format: Format) -> Result<(Vec<NamedFile>, Exported), Faults> {
     let scanned = Scanned::read(results)?;
     scanned.check(format)?;

@@ -13,14 +13,14 @@ pub(crate) struct Masks {
 
 /// The object in a picture, pixel by pixel, row by row.
 pub(crate) struct Mask {
-    /// The object's pixels without any occlusion.
+    /// The object's pixels, including those where something occludes it.
     pub whole: Vec<bool>,
     /// The object's visible pixels: the measured depth agrees with the mesh.
     pub visible: Vec<bool>,
 }
 
-/// A pixel belongs to the object if its depth is within this tolerance of the mesh: metres, and a share of
-/// the depth.
+/// A pixel belongs to the object if its depth is that of the mesh up to this tolerance: the sum of a length
+/// in metres and a share of the depth.
 const TOLERANCE: (f64, f64) = (0.005, 0.01);
 
 /// Maximum depth of the rendered mesh, metres.

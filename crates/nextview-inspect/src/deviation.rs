@@ -9,7 +9,7 @@ use rayon::prelude::*;
 pub(crate) struct Deviation {
     /// Metres, positive outside the model.
     pub mean: f64,
-    /// Its standard error, metres; infinite for a patch with few points.
+    /// Standard error of the mean, metres; infinite for a patch with few points.
     pub error: f64,
 }
 
@@ -17,8 +17,8 @@ pub(crate) struct Deviation {
 pub(crate) struct Deviations {
     /// The deviation of each point.
     pub of_points: Vec<Deviation>,
-    /// The common part of the errors of neighbouring points, metres, median: a depth camera's surface is
-    /// wavy, and averaging over a patch does not help.
+    /// Median error that neighbouring points share, metres: a depth camera's surface is wavy, and averaging
+    /// over a patch does not remove waves.
     pub correlated_error: f64,
 }
 
@@ -29,7 +29,7 @@ pub(crate) enum PointVerdict {
     Deviates,
     /// The deviation is within the tolerance.
     Within,
-    /// Noise hides the answer.
+    /// The noise is too large to decide.
     Uncertain,
 }
 
@@ -51,8 +51,8 @@ impl Deviation {
 
 /// The deviation at each point, in the coordinates of the model.
 ///
-/// The size of the waves depends on distance and slope. It is taken as proportional to the expected errors of
-/// the points, in metres, or as constant if those are not known.
+/// The size of the waves depends on distance and slope. Waves are assumed to be proportional to the expected
+/// errors of the points, in metres, or constant if those are unknown.
 pub(crate) fn deviations(
     points: &[SurfacePoint],
     expected: &[Option<f64>],
@@ -78,8 +78,8 @@ pub(crate) fn deviations(
 /// The ratio of a normal distribution's standard deviation to its median absolute deviation.
 const NORMAL: f64 = 1.4826;
 
-/// The variation of the deviations beyond their standard errors, in multiples of these sizes. It describes
-/// most points, which excludes defects.
+/// Factor by which to multiply `sizes` to get the spread of the deviations that their standard errors do not
+/// explain. It is computed from medians, so defects do not count.
 fn correlated_factor(deviations: &[Deviation], sizes: &[f64]) -> f64 {
     let known = || deviations.iter().zip(sizes).filter(|(deviation, _)| deviation.error.is_finite());
     let middle = median(known().map(|(deviation, _)| deviation.mean));
@@ -88,7 +88,7 @@ fn correlated_factor(deviations: &[Deviation], sizes: &[f64]) -> f64 {
     (spread.powi(2) - explained.powi(2)).max(0.0).sqrt()
 }
 
-/// The median; 0 without values.
+/// The median; 0 if there are no values.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_by(f64::total_cmp);

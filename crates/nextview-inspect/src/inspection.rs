@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// The settings of an inspection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InspectionConfig {
-    /// Maximum deviation that counts as none, millimetres; positive. Default 0.5.
+    /// Deviations up to this are accepted, millimetres; positive. Default 0.5.
     pub tolerance_mm: f64,
     /// Radius of the patches over which deviations are averaged, millimetres; positive. A smaller radius
     /// shows smaller defects, a larger one is less noisy. Default 2, or more if the cloud's points are so
@@ -47,7 +47,7 @@ pub struct Inspection {
 const N_SAMPLES: usize = 20_000;
 
 /// Returns the CAD model to compare a scan's results with: that of the scan, or another file, in another
-/// unit. Fails if none is named.
+/// unit. Fails if neither names one.
 pub fn reference_of(
     results: &Path,
     mesh: Option<PathBuf>,

@@ -1,8 +1,8 @@
 //! A scanned part compared with its CAD model.
 //!
-//! [`inspect`] locates the part at any pose, and determines the deviation of every measured point from the
-//! model and its certainty. Groups of deviating points are [defects](DefectRecord). `docs/inspection.md`
-//! describes the method.
+//! [`inspect`] locates the part at any pose, and determines how far every measured point deviates from the
+//! model, and how certain that is. Groups of deviating points are [defects](DefectRecord).
+//! `docs/inspection.md` describes the method.
 
 mod defects;
 mod deviation;

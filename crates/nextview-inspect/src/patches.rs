@@ -3,26 +3,26 @@
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
-/// Points by cubes of the distance.
+/// Points, indexed by the cell of a cubic grid whose edge is the radius.
 pub(crate) struct Patches<'a> {
     positions: &'a [DVec3],
     radius: f64,
     cells: FxHashMap<IVec3, Vec<u32>>,
 }
 
-/// Minimum automatic radius, metres.
+/// Minimum radius that is chosen automatically, metres.
 const SMALLEST: f64 = 0.002;
 
-/// Factor between successive automatic radii.
+/// Factor between successive radii that are tried.
 const GROWTH: f64 = 1.25;
 
 /// Minimum number of points of a meaningful patch.
 pub(crate) const FEWEST: usize = 5;
 
-/// Share of the patches with an automatic radius that may hold fewer.
+/// Share of the patches that may hold fewer points if the radius is chosen automatically.
 const MAY_HOLD_FEWER: f64 = 0.1;
 
-/// Number of patches counted for that.
+/// Maximum number of patches whose points are counted to choose the radius.
 const N_COUNTED: usize = 500;
 
 /// The patch radius for this spacing of points, metres: the smallest one that suits nearly all of them.

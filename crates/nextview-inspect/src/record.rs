@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 pub struct InspectionRecord {
     /// The CAD model's file.
     pub reference: String,
-    /// Maximum deviation that counts as none.
+    /// Deviations up to this are accepted.
     pub tolerance_mm: f64,
     /// Radius of the patches over which deviations are averaged.
     pub patch_mm: f64,
@@ -27,8 +27,8 @@ pub struct InspectionRecord {
     pub deviation_rms_mm: f64,
     /// 95th percentile of the absolute deviations.
     pub deviation_p95_mm: f64,
-    /// The common part of neighbouring points' standard errors, such as the waves of a stereo camera: the
-    /// variation of most deviations beyond the noise within patches.
+    /// Error that neighbouring points share, such as the waves of a stereo camera: the spread of most
+    /// deviations that the noise within patches does not explain.
     pub correlated_error_mm: f64,
     /// Median standard error of the points' deviations; `None` if most patches hold too few points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -44,11 +44,11 @@ pub struct InspectionRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DefectRecord {
-    /// Its middle, in the coordinates of the model.
+    /// Middle of the defect, in the coordinates of the model.
     pub center_m: [f64; 3],
-    /// Size of the box around it.
+    /// Size of the box around the defect.
     pub size_m: [f64; 3],
-    /// Its deviation, positive for excess material. Nine tenths of its points deviate less.
+    /// Deviation of the defect, positive for excess material: nine tenths of its points deviate less.
     pub deviation_mm: f64,
     /// The standard error of the deviation.
     pub standard_error_mm: f64,
@@ -60,11 +60,11 @@ pub struct DefectRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceRecord {
-    /// Its name.
+    /// Name of the surface.
     pub name: String,
-    /// Maximum angle between the line of sight and its normal.
+    /// Maximum angle between the line of sight and the surface normal.
     pub angle_deg: f64,
-    /// Minimum number of one picture's pixels per square millimetre.
+    /// Minimum number of pixels per square millimetre in one picture.
     pub points_per_mm2: f64,
     /// Share, 0..=1, of the surface that a frame measured as demanded.
     pub measured_share: f64,

@@ -10,8 +10,8 @@ use nextview_sim::mesh::TriangleMesh;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// The share of each surface of the part that the frames in the results measured as demanded; empty without
-/// frames.
+/// The share of each surface of the part that the frames in the results measured as demanded; empty if there
+/// are no frames.
 pub(crate) fn seen_as_demanded(
     results: &Path,
     reference: &ReferenceConfig,

@@ -57,7 +57,7 @@ impl Batch {
         serde_json::to_string(&message).map_err(Fault::data)
     }
 
-    /// Reads a batch; fails if another build wrote it, because records would be of no use there.
+    /// Reads a batch; fails if another build wrote it, because that build could not use the records.
     pub fn from_json(text: &str) -> Result<Self, Fault> {
         let unreadable = |error| Fault::data(format!("a batch of runs cannot be read: {error}"));
         let BatchMessage { build, runs }: BatchMessage<Value> =

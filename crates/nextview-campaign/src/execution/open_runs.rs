@@ -6,8 +6,8 @@ use nextview_scan::Fault;
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The runs of a campaign, or of a shard of it, without a record. Records go to its store, events to a
-/// listener.
+/// The runs that have no record yet, of a campaign or of a shard of it. Their records go to the campaign's
+/// store, and events to a listener.
 pub struct OpenRuns<'a> {
     /// Numbers of runs with a common object.
     groups: Mutex<VecDeque<Vec<usize>>>,

@@ -42,7 +42,7 @@ impl FaultList {
     }
 }
 
-/// The fault with its file in the message: its place must be that of the key.
+/// Moves the fault's file into its message: its place must become that of the key.
 pub(super) fn without_place(fault: Fault) -> Fault {
     Fault { message: fault.to_string(), place: None, ..fault }
 }

@@ -9,7 +9,7 @@ use toml::Value;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(untagged)]
 pub enum FirstViews {
-    /// These views, by their numbers among the candidates.
+    /// Numbers of the views among the candidates.
     List(Vec<usize>),
     /// This number of distinct views, drawn for each object and set of candidates.
     Count(usize),

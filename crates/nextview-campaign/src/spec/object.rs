@@ -28,7 +28,7 @@ impl ObjectSpec {
         Self { file: file.into(), name: None, unit: None, size_m: None }
     }
 
-    /// An entry of the list of objects: the name of a file, or a table.
+    /// Reads an entry of the list of objects: the name of a file, or a table.
     pub(super) fn read(entry: Value, index: usize, faults: &mut FaultList) -> Option<Self> {
         let name = format!("object {}", index + 1);
         let table = match entry {

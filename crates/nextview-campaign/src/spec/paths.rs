@@ -9,7 +9,8 @@ pub(super) fn whole_path(path: &Path) -> Result<String, Fault> {
     text.map_err(|path| Fault::data("the name is not Unicode").in_file(&PathBuf::from(path)))
 }
 
-/// The value of a dotted key, either one key of the table or in nested tables.
+/// The value of a dotted key, which may be a single key of the table, dots included, or a path through nested
+/// tables.
 pub(super) fn value_at<'a>(table: &'a mut Table, key: &str) -> Option<&'a mut Value> {
     if table.contains_key(key) {
         return table.get_mut(key);

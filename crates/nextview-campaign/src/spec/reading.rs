@@ -6,7 +6,7 @@ use nextview_scan::{Fault, Faults, Positions, SensorName, ViewSpaceName};
 use std::path::Path;
 use toml::{Table, Value};
 
-/// A specification in progress from a text, with the faults found in it.
+/// A specification that is being read from a text, with the faults found so far.
 pub(super) struct OpenSpec {
     pub spec: Spec,
     pub positions: Positions,
@@ -50,7 +50,7 @@ impl OpenSpec {
         }
     }
 
-    /// Makes the paths in configurations absolute; without variants, there is one.
+    /// Makes the paths in configurations absolute. If there are no variants, adds one with default values.
     pub fn complete_variants(&mut self, folder: &Path) {
         if self.spec.variant.is_empty() {
             self.spec.variant.push(VariantSpec::default());

@@ -5,9 +5,9 @@ use toml::{Table, Value};
 
 /// A table of a specification, read key by key to find all its faults at once.
 pub(super) struct Section<'a> {
-    /// Dotted key of the table with a trailing dot; empty at the top.
+    /// Dotted key of the table with a trailing dot; empty for the whole specification.
     prefix: String,
-    /// Name of the table in messages; empty at the top.
+    /// Name of the table in messages; empty for the whole specification.
     name: String,
     left: Table,
     known: Vec<&'static str>,
@@ -20,12 +20,12 @@ impl<'a> Section<'a> {
         Self { prefix: String::new(), name: String::new(), left: table, known: Vec::new(), faults }
     }
 
-    /// A table in a list: the entry with this index, called by this name in messages.
+    /// Creates the section of a table in a list: the entry with this index, called by this name in messages.
     pub fn entry(list: &str, index: usize, name: String, table: Table, faults: &'a mut FaultList) -> Self {
         Self { prefix: format!("{list}.{index}."), name, ..Self::top(table, faults) }
     }
 
-    /// The value of the key; `None` if it is not set, or has the wrong type, which is a fault.
+    /// Takes the value of the key; `None` if it is not set, or has the wrong type, which is a fault.
     pub fn take<T: DeserializeOwned>(&mut self, key: &'static str) -> Option<T> {
         self.known.push(key);
         let value = self.left.remove(key)?;
@@ -33,7 +33,7 @@ impl<'a> Section<'a> {
         read_value(&whole_key, &value).map_err(|fault| self.add_at(fault)).ok()
     }
 
-    /// A list of values, each of which may be wrong by itself.
+    /// Takes a list of values, each of which may be invalid by itself.
     pub fn take_list(&mut self, key: &'static str) -> Vec<Value> {
         self.take(key).unwrap_or_default()
     }

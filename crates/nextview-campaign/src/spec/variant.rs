@@ -29,7 +29,7 @@ pub struct VariantSpec {
 }
 
 impl VariantSpec {
-    /// An entry of the list of variants.
+    /// Reads an entry of the list of variants.
     pub(super) fn read(entry: Value, index: usize, faults: &mut FaultList) -> Option<Self> {
         let name = format!("variant {}", index + 1);
         let Value::Table(table) = entry else {

@@ -17,7 +17,7 @@ const LISTED: f64 = 1e-3;
 /// Maximum number of objects in a list.
 const MAX_LISTED: usize = 10;
 
-/// The compared measures: by differences, except the time, which is last, by ratios.
+/// The compared measures. The last one, the time, is compared by ratios, all others by differences.
 const MEASURES: [Measure; 6] = [VOXEL_COVERAGE, REACHABLE_COVERAGE, SKILL, VIEWS_TO_95, PATH, PLAN_TIME];
 const TIME: usize = MEASURES.len() - 1;
 
@@ -85,7 +85,7 @@ fn id_in_a(run: &RunRecord, renamed: Option<&str>) -> RunId {
 /// The runs found in both campaigns.
 #[derive(Default)]
 struct CommonRuns {
-    /// By the name of the variant in A.
+    /// For each variant, by its name in A.
     variants: BTreeMap<String, BTreeMap<StudyObject, ObjectRuns>>,
     n_pairs: usize,
     only_in_a: Vec<String>,

@@ -48,7 +48,7 @@ impl Measure {
         if shown.is_finite() { format!("{:.*}", self.decimals, shown + 0.0) } else { DASH.to_owned() }
     }
 
-    /// Formats a difference, with one digit more and its sign.
+    /// Formats a difference, with its sign and one more decimal.
     pub fn show_difference(&self, value: f64) -> String {
         let shown = self.factor * value;
         match shown.is_finite() {

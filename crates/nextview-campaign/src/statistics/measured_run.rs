@@ -23,7 +23,7 @@ pub struct MeasuredRun {
     pub(super) whole: WholeScan,
     /// Maximum number of views.
     max_views: usize,
-    /// Seconds that a robot stands at a view.
+    /// Time that a robot spends standing at a view, in seconds.
     sensing_time: f64,
 }
 
@@ -38,7 +38,7 @@ pub struct MeasuredStep {
     pub entropy_share: f64,
     /// The planner's estimate of the reachable coverage before it took the view.
     pub estimated_completeness: Option<f64>,
-    /// The planner's forecast of the reachable coverage after this view and after each of a few that follow.
+    /// The planner's forecast of the reachable coverage after this view and after each of the next few.
     pub forecast_completeness: Option<Vec<f64>>,
     plan_time_ms: f64,
     map_time_ms: f64,
@@ -127,7 +127,7 @@ impl MeasuredRun {
         self.steps.iter().any(|step| step.reachable_coverage.is_some_and(|coverage| coverage >= share))
     }
 
-    /// Returns the milliseconds for each planned view; the first view is given.
+    /// Returns the time to plan each view, in milliseconds, without the first view, which is given.
     pub fn plan_times(&self) -> impl Iterator<Item = f64> {
         self.steps.iter().skip(1).map(|step| step.plan_time_ms)
     }
@@ -137,18 +137,18 @@ impl MeasuredRun {
         self.steps.last()
     }
 
-    /// Seconds for all decisions and for the integration of the frames into the map.
+    /// Time for all decisions and for the integration of the frames into the map, in seconds.
     pub(super) fn planning_time(&self) -> f64 {
         let mapping = self.steps.iter().map(|step| step.map_time_ms);
         self.plan_times().chain(mapping).sum::<f64>() / 1e3
     }
 
-    /// Seconds that a simulated robot moves.
+    /// Time that a simulated robot spends moving, in seconds.
     pub(super) fn moving_time(&self) -> f64 {
         self.last.trajectory_time_s
     }
 
-    /// Seconds that the robot stands at views.
+    /// Time that the robot spends standing at views, in seconds.
     pub(super) fn sensing_time(&self) -> f64 {
         self.sensing_time * self.steps.len() as f64
     }

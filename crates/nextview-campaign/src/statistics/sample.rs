@@ -123,7 +123,7 @@ fn interval_of_means(objects: &[VaryingMean]) -> Interval {
     Interval::of_normal(between.mean, (between.variance + within).sqrt())
 }
 
-/// Two quantities, A and B, of common objects.
+/// Two quantities, A and B, measured on the same objects.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PairedSample {
     objects: Vec<PairedObject>,

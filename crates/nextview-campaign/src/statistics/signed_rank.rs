@@ -15,7 +15,7 @@ pub struct SignedRank {
     pub p_value: f64,
     /// Number of pairs.
     pub n_pairs: usize,
-    /// Number of different pairs; the others do not count in the test.
+    /// Number of pairs with a difference; the others do not count in the test.
     pub n_different: usize,
 }
 

@@ -82,7 +82,7 @@ impl StudyBuilder {
 }
 
 impl Study {
-    /// Creates a study of these runs, with the runs of an object in this order.
+    /// Creates a study of these runs; the runs of each object stay in this order.
     pub fn new<'a>(runs: impl IntoIterator<Item = &'a RunRecord>) -> Self {
         let mut builder = StudyBuilder::default();
         runs.into_iter().for_each(|run| builder.add(run));
@@ -105,12 +105,12 @@ impl StudyVariant {
         self.runs.iter().map(of_object).collect()
     }
 
-    /// Returns the measure of all runs of the objects that have it.
+    /// Returns the measure of all runs that have it, by object; objects without such runs are left out.
     pub fn sample(&self, measure: &Measure) -> Sample {
         self.sample_by(measure.of)
     }
 
-    /// Returns any number of all runs of the objects that have it.
+    /// Returns the value that `of` gives for each run, by object; objects without any value are left out.
     pub fn sample_by(&self, of: impl Fn(&MeasuredRun) -> Option<f64>) -> Sample {
         Sample::new(self.runs.iter().map(|runs| runs.iter().filter_map(&of).collect()))
     }

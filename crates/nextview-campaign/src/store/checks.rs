@@ -18,7 +18,7 @@ pub(super) fn check_config(run: &Run, record: &RunRecord) -> Result<(), Fault> {
     // The run may have chosen the voxel size to suit the object.
     let mut expected = run.config.clone();
     expected.voxel_size_m = expected.voxel_size_m.or(record.config.voxel_size_m);
-    // Its number is known after the candidates are counted.
+    // The number of a drawn first view is known only after the candidates are counted.
     if run.first_view_draw.is_some() {
         expected.first_view = record.config.first_view;
     }

@@ -68,7 +68,7 @@ struct Merging {
     runs: Runs,
     /// The files of records.
     files: Vec<PathBuf>,
-    /// By the number of the run.
+    /// For each run of the campaign, the place of its record.
     positions: Vec<Option<Position>>,
     failures: FailureCounts,
     n_repeated: usize,

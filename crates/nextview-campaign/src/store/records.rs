@@ -11,11 +11,11 @@ use std::path::{Path, PathBuf};
 /// Maximum line length, bytes: the record of a scan of about 50,000 views.
 const MAX_LINE: u64 = 1 << 26;
 
-/// Minimum average number of bytes per object in the text of a record. A step takes a thousand bytes in
-/// memory, so empty ones could fill it.
+/// Minimum average number of bytes per JSON object in the text of a record. A step takes a thousand bytes in
+/// memory, so many empty ones could fill it.
 const OBJECT: usize = 64;
 
-/// Number of objects that a line of any length may have.
+/// Number of JSON objects that a line may have regardless of its length.
 const FREE_OBJECTS: usize = 100;
 
 /// Bytes of lines parsed together, by all threads.
@@ -88,12 +88,12 @@ impl<R: BufRead> Records<R> {
         Self { file, ..self }
     }
 
-    /// Returns whether the last line had no line feed and was left out; known at the end.
+    /// Returns whether the last line had no line feed and was left out; known once all records are read.
     pub fn is_torn(&self) -> bool {
         self.is_torn
     }
 
-    /// Bytes of the complete lines; known at the end.
+    /// Bytes of the complete lines; known once all records are read.
     pub(super) fn n_bytes(&self) -> u64 {
         self.n_bytes
     }

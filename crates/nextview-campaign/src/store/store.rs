@@ -25,7 +25,7 @@ pub struct Store {
     runs: Runs,
     /// The runs to execute here, by their common object.
     share: Vec<Vec<usize>>,
-    /// By the number of the run.
+    /// For each run of the campaign, the place of its record.
     positions: Vec<Option<Position>>,
     failures: FailureCounts,
     was_torn: bool,

@@ -90,7 +90,8 @@ fn write_model(scanned: &Scanned, out: &mut Out) -> Result<(), Fault> {
 /// than a thousandth.
 const DIRECTIONS: usize = 4096;
 
-/// The largest distance between two of the points: from the outermost in some direction to all.
+/// The largest distance between two points. Its ends are outermost in some direction, so only distances from
+/// the points that are outermost in one of the directions are computed.
 fn diameter(points: &[DVec3]) -> f64 {
     let outermost = |direction: DVec3| {
         points.iter().copied().max_by(|a, b| a.dot(direction).total_cmp(&b.dot(direction)))

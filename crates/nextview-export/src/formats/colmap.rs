@@ -17,7 +17,8 @@ const PIXEL_CENTER: f64 = 0.5;
 /// Approximate maximum number of points.
 const MAX_POINTS: usize = 5000;
 
-/// A pixel shows a point if its depth is within this tolerance: metres, and a share of the depth.
+/// A pixel shows a point if its depth is that of the point up to this tolerance: the sum of a length in
+/// metres and a share of the depth.
 const TOLERANCE: (f64, f64) = (0.001, 0.005);
 
 /// COLMAP's number of the model PINHOLE.
@@ -27,13 +28,13 @@ const PINHOLE: i32 = 1;
 struct ColmapPoint {
     position: DVec3,
     color: [u8; 3],
-    /// Indices of an image, and of the point in it.
+    /// For each image that shows the point, the index of the image and of the point within that image.
     track: Vec<(usize, usize)>,
 }
 
 /// The points shown by an image.
 struct ShownPoints {
-    /// The pixel, and the index of the point.
+    /// The pixel of each point, and the index of the point.
     points: Vec<(DVec2, usize)>,
 }
 

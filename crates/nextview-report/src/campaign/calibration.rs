@@ -49,7 +49,7 @@ fn forecasts(study: &Study) -> Option<Block> {
 /// A row for each number of views ahead.
 fn forecast_rows(variant: &StudyVariant) -> Vec<Row> {
     let steps = variant.measured().map(|run| &run.steps);
-    // By number of views ahead, pairs of a forecast and the true coverage.
+    // For each number of views ahead, pairs of a forecast and the true coverage.
     let mut ahead: Vec<Vec<(f64, f64)>> = Vec::new();
     for (steps, i) in steps.flat_map(|steps| (0..steps.len()).map(move |i| (steps, i))) {
         let forecast = steps[i].forecast_completeness.iter().flatten();

@@ -1,4 +1,4 @@
-//! The numbers of the report as CSV, of all tables and figures: what the page shows, by variant and measure.
+//! The numbers of all tables and figures of the report as CSV, by variant and measure.
 
 use super::data_file::DataFile;
 use super::document::{Block, Cell, Document, Table};
@@ -67,7 +67,7 @@ pub(crate) fn render(document: &Document) -> Vec<(&'static str, String)> {
     std::iter::once((SETUP, setup)).chain(files).collect()
 }
 
-/// Returns whether a text is such a file.
+/// Returns whether a text is one of these files.
 pub(crate) fn is_data(text: &str) -> bool {
     let is_file = FILES.iter().any(|(_, _, keys, columns)| text.starts_with(&head(keys, columns)));
     is_file || text.starts_with(&line(SETUP_COLUMNS))

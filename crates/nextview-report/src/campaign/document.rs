@@ -56,7 +56,7 @@ pub(crate) struct Row {
 pub(crate) struct Cell {
     pub text: String,
     pub note: String,
-    /// The numbers in it, by the columns of a file of data; none if it is not measured.
+    /// The numbers in the cell, by the column of a data file; empty if nothing was measured.
     pub values: Vec<(&'static str, String)>,
     /// The file that has these numbers, and the key of their row.
     pub row: Option<(DataFile, Vec<String>)>,

@@ -76,8 +76,7 @@ pub(crate) fn section(setup: &Setup, study: &Study, torn: bool) -> Section {
     Section { title: "What was run".to_owned(), blocks }
 }
 
-/// All values with the variants that have them, for a file: variant, or nothing if all have it, parameter,
-/// value.
+/// Rows for a file: variant, parameter and value. The variant is empty if all variants have the value.
 pub(crate) fn rows(setup: &Setup, study: &Study) -> Vec<[String; 3]> {
     let n_variants = study.variants.len();
     let of_all = |(name, value)| [String::new(), name, value];
@@ -101,7 +100,7 @@ fn overview(setup: &Setup, study: &Study) -> Table {
     }
 }
 
-/// What all runs together are.
+/// Facts about all runs together.
 fn facts(setup: &Setup, study: &Study) -> Vec<(&'static str, String)> {
     let Setup { n_runs, n_failed, .. } = setup;
     let mut rows = vec![

@@ -54,7 +54,7 @@ pub(super) fn with_test(
     Cell::with_note(show(mean), note).with_values(values).with_values(spread)
 }
 
-/// Interval and median in the columns of files.
+/// Interval and median, by the columns of the data files.
 fn spread(
     interval: Option<[String; 2]>,
     median: Option<String>,

@@ -1,4 +1,4 @@
-//! The measure of a scan's progress: the best known one.
+//! The measure of a scan's progress: the best one with known values.
 
 use super::input::ScanPage;
 use nextview::planner::Outlook;
@@ -8,7 +8,7 @@ use nextview_scan::StepRecord;
 pub(super) struct CoverageCurve {
     /// Heading that names the whole of which it is a share.
     pub name: &'static str,
-    /// By step.
+    /// For each step.
     pub values: Vec<Option<f64>>,
     /// Whether it is comparable with the baselines.
     pub is_reachable: bool,
@@ -16,8 +16,8 @@ pub(super) struct CoverageCurve {
 
 type Measure = (&'static str, fn(&StepRecord) -> Option<f64>);
 
-/// From the fairest on. Without baselines the reachable part is not known, without the truth the surface is
-/// not; the planner's estimate then takes its place.
+/// The fairest first. Without baselines, the reachable part is unknown. Without the truth, the whole surface
+/// is unknown, and the planner's estimate takes its place.
 const MEASURES: [Measure; 3] = [
     ("Reachable coverage", |step| step.reachable_coverage),
     ("Surface within 2 mm", |step| step.surface_coverage_2mm),

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, HashSet};
 pub(super) struct NewPoints {
     known: HashSet<IVec3>,
     n_frames: usize,
-    /// By step, world frame, metres.
+    /// For each step; world frame, metres.
     by_step: BTreeMap<usize, Vec<Vec3>>,
 }
 

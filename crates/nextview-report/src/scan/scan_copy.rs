@@ -17,11 +17,11 @@ pub(crate) struct ScanCopy {
     pub model_frames: Vec<Frame>,
     /// The colours of the frames of the earlier scan; `None` if there are no colours.
     pub earlier_colors: Vec<Option<ColorImage>>,
-    /// Step and frame for each frame that could not be aligned.
+    /// Each frame that could not be aligned, with the index of its step.
     pub set_aside: Vec<(usize, Frame)>,
-    /// By step; `None` if there are no colours.
+    /// For each step; `None` if there are no colours.
     pub colors: Vec<Option<ColorImage>>,
-    /// By step, from the previous view.
+    /// For each step, from the previous view.
     pub trajectories: Vec<Trajectory>,
     pub candidates: ViewSpace,
     /// `None` before an object was found.

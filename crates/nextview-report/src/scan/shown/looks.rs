@@ -12,7 +12,7 @@ const FLATTEST: f64 = 0.1;
 /// Maximum distance of a measured depth from its vertex, in cells.
 const TOLERANCE: f64 = 2.0;
 
-/// The vertices of a surface with cells of this edge, metres.
+/// The vertices of a surface with their looks. The surface was made with cells of edge `cell`, metres.
 pub(super) fn vertices(scan: &ScanCopy, mesh: &SurfaceMesh, cell: f64) -> Vec<ShownVertex> {
     let points = mesh.points();
     let mut vertices: Vec<ShownVertex> = points

@@ -15,7 +15,8 @@ pub(super) struct ViewerCloud {
     pub points: PackedPositions,
     /// For each view, the number of points of all views up to it.
     pub ends: Vec<usize>,
-    /// Corners of the box without the outer hundredth of the points on each side, which contains stray ones.
+    /// Corners of the box around all points except the outermost hundredth on each side, which contains stray
+    /// points.
     pub core: [Vec3; 2],
 }
 
@@ -59,7 +60,8 @@ fn choose(views: &[Vec<Vec3>], n_measured: usize, max_points: usize) -> (Vec<Vec
     (points, ends)
 }
 
-/// The index taken from run `i` of `n_runs` runs over `n` points; increasing in `i`.
+/// The index of the point taken from run `i`, if `n` points are divided into `n_runs` runs; it increases with
+/// `i`.
 fn pick(i: usize, n_runs: usize, n: usize) -> usize {
     let (start, end) = (i * n / n_runs, (i + 1) * n / n_runs);
     // Multiplicative hashing with 2^64 over the golden ratio; the upper half of the product is well mixed.

@@ -42,8 +42,8 @@ pub(in crate::scan) fn members(page: &ScanPage<'_>, after: usize, max_points: us
     )
 }
 
-/// The measured surface; null without one. By vertex: the number of looks, the cosine of the best one in
-/// 255ths, and the index of the first step, 255 for none and for larger indices.
+/// The measured surface; null without one. For each vertex: the number of looks, the cosine of the best one
+/// in 255ths, and the index of the first step that shows it, 255 if there is none or the index is larger.
 fn surface(model: &ShownModel, vertices: &[Vec3]) -> String {
     if model.triangles.is_empty() {
         return "null".to_owned();
@@ -74,7 +74,7 @@ fn shell(model: &ShownModel) -> String {
     format!(r#"{{"positions":{},"triangles":"{triangles}"}}"#, PackedPositions::of(&vertices).json())
 }
 
-/// The candidates, with their gains in 255ths of the largest; that list is empty without gains.
+/// The candidates, with their gains in 255ths of the largest; the list of gains is empty if they are unknown.
 fn candidates(page: &ScanPage<'_>) -> String {
     let gains = page.model.gains.iter().copied().map(Some).chain(std::iter::repeat(None));
     let (places, gains): (Vec<Vec3>, Vec<Option<f64>>) = page
