@@ -5,9 +5,9 @@
 pub struct Names {
     /// Without slashes.
     pub node: String,
-    /// Begins with a slash, and does not end with one unless it is one.
+    /// Begins with a slash, and does not end with one unless it is `/`.
     pub namespace: String,
-    /// From name to name, as given.
+    /// Pairs of a name and its replacement, as given.
     pub remaps: Vec<(String, String)>,
 }
 

@@ -24,7 +24,8 @@ pub(crate) struct ScanAnswer {
     pub confirm_views: bool,
     /// The record so far; without measures of the model while the scan is in progress.
     pub record: ScanRecord,
-    /// The damage in its journal, lost when the scan was resumed; `None` if there was none.
+    /// The damaged part of the journal, which was lost when the scan was resumed; `None` if nothing was
+    /// damaged.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damage: Option<String>,
 }
@@ -124,7 +125,7 @@ pub(crate) struct GuidanceAnswer {
 pub(crate) struct Tracking {
     /// Whether the camera is lost.
     pub lost: bool,
-    /// The remedy if it is.
+    /// The remedy if the camera is lost.
     pub remedy: Option<String>,
 }
 

@@ -17,7 +17,7 @@ pub(crate) struct Received {
     pub share: Share,
 }
 
-/// Receives a whole body.
+/// Receives a complete body.
 pub(crate) async fn receive(app: &App, headers: &HeaderMap, body: Body) -> Result<Received, Refusal> {
     let most = app.limits.body_bytes;
     let stated = headers.get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse().ok());

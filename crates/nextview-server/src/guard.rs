@@ -65,9 +65,9 @@ fn check_origin(headers: &HeaderMap, host: &str) -> Result<(), Refusal> {
     Err(Refusal::new(StatusCode::FORBIDDEN, fault.with_remedy("send requests from the page of this server")))
 }
 
-/// Whether a page may be behind a request, even as an image it shows: even a query may decide the next view.
-/// Browsers state the origin of a request; those that do not, such as old ones or those over plain HTTP, send
-/// their name and their user's languages, which a page cannot suppress.
+/// Whether a web page may have sent a request, be it only for an image that it shows: even a query may decide
+/// the next view. Browsers state the origin of a request; those that do not, such as old ones or those over
+/// plain HTTP, send their name and their user's languages, which a page cannot suppress.
 fn is_browser(headers: &HeaderMap) -> bool {
     let names_page = [header::ORIGIN, header::REFERER, HeaderName::from_static("sec-fetch-site")];
     let begins = |name, start: &[u8]| {

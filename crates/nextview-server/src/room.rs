@@ -23,7 +23,7 @@ struct Receiving {
     bytes: usize,
     /// Time of the last bytes.
     last: Instant,
-    /// Notifies the task of its client when dropped.
+    /// When dropped, notifies the task that receives the body.
     _gives_way: oneshot::Sender<()>,
 }
 

@@ -2,7 +2,7 @@
 
 use nextview_scan::{BatchRecord, BatchViewRecord};
 
-/// From this share on, the choice is reported as the best: the rest may be rounding.
+/// A choice with at least this share of the best one is reported as the best: the rest may be rounding.
 const IS_BEST: f64 = 1.0 - 1e-6;
 
 /// A table of the views, below a summary of all of them.

@@ -8,7 +8,7 @@ use nextview_recording::ros::{TransformError, TransformTree};
 /// How long transforms are kept in seconds, as in tf2.
 const HISTORY: f64 = 10.0;
 
-/// The camera's frame for the topic of poses.
+/// Name of the camera's frame if poses come from the topic of poses.
 const CAMERA: &str = "the camera";
 
 pub struct PoseHistory {

@@ -28,7 +28,7 @@ impl RecentPoses {
         }
     }
 
-    /// Its pose at rest; `None` if it moves, or has not been seen for long enough.
+    /// Pose of the resting camera; `None` if the camera moves, or its poses do not reach back far enough.
     pub fn place(&self) -> Option<Pose> {
         let (last, now) = self.0.back()?;
         let (first, _) = self.0.front()?;

@@ -33,7 +33,7 @@ enum Poses {
     Topic(Box<Subscription<PoseStamped>>),
 }
 
-/// Maximum number of unread transforms: those of a second of a robot with many joints.
+/// Maximum number of unread transforms: enough for one second of a robot with many joints.
 const TRANSFORMS: usize = 200;
 
 impl Inputs {

@@ -7,7 +7,7 @@ use nextview_octomap::Octree;
 /// The line after which the tree begins.
 const END_OF_HEAD: &[u8] = b"\ndata\n";
 
-/// The map with P(occupied) of each voxel, and with free and occupied voxels only.
+/// Two messages: the map with P(occupied) of each voxel, and the map with free and occupied voxels only.
 pub fn messages(map: &OccupancyMap, frame: &str) -> Result<[Octomap; 2], nextview::Error> {
     let octree = Octree::from_map(map)?.pruned();
     let (mut full, mut binary) = (Vec::new(), Vec::new());

@@ -45,7 +45,7 @@ pub fn outputs(scan: &LiveScan, next: Option<&NextView>, frame: &str) -> Result<
     Ok(outputs)
 }
 
-/// It has no frame, and begins on receipt: its header is empty.
+/// A joint trajectory has no frame and begins on receipt, so its header is empty.
 fn joint_trajectory(joints: &nextview_robot::path::JointTrajectory) -> JointTrajectory {
     let point = |(time, values): &(f64, Vec<f64>)| JointTrajectoryPoint {
         positions: values.clone(),

@@ -27,8 +27,8 @@ impl Hosts {
         }
         let address = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
         let is_name = match address {
-            // For a server that listens on all addresses; an address is not a name that others could
-            // redirect here.
+            // For a server that listens on all addresses: unlike a name, an address cannot be redirected here
+            // by others.
             Ok(ip) => ip == self.address.ip() || self.address.ip().is_unspecified(),
             Err(_) => {
                 name == "localhost" && (self.address.ip().is_loopback() || self.address.ip().is_unspecified())

@@ -36,7 +36,7 @@ impl Token {
     }
 }
 
-/// This number of random bytes in hexadecimal digits.
+/// Generates this number of random bytes, as hexadecimal digits.
 pub(crate) fn random_hex(n_bytes: usize) -> Result<String, Fault> {
     let mut bytes = vec![0; n_bytes];
     getrandom::fill(&mut bytes)

@@ -29,7 +29,7 @@ struct PlaceState {
 #[derive(Clone, Copy)]
 struct Now {
     turn: ActingSide,
-    /// Start of the turn.
+    /// Time at which the current turn began.
     since: Instant,
     /// Time since which the client accepts nothing of an answer; `None` while it accepts.
     stuck_since: Option<Instant>,

@@ -51,7 +51,7 @@ impl<B: Body + Unpin> Body for Watched<B> {
 }
 
 impl<B> Drop for Watched<B> {
-    /// Abandoned, as the body of a refused request is.
+    /// The body was abandoned, like that of a refused request.
     fn drop(&mut self) {
         self.place.turn(self.turns.1);
     }

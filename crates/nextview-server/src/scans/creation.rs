@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 /// A requested scan.
 #[derive(Debug)]
 pub(crate) struct NewScan {
-    /// Its id, which is also the default name of the object.
+    /// Id of the scan, which is also the default name of the object.
     pub id: String,
     pub confirm_views: bool,
     /// The id of the scan that it continues.
@@ -44,7 +44,7 @@ impl NewScan {
         Ok(Self { id, confirm_views: confirm_views.unwrap_or(false), after, keys })
     }
 
-    /// Its configuration: if it continues a scan, the defaults are that scan's values.
+    /// The configuration of the new scan: if it continues a scan, the defaults are that scan's values.
     pub fn config(&self, before: Option<ScanConfig>, limits: &Limits) -> Result<ScanConfig, Refusal> {
         let before = before.map(toml::Table::try_from).transpose().map_err(Fault::data)?;
         let mut table = before.unwrap_or_default();

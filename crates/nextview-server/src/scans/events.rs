@@ -11,7 +11,7 @@ pub(crate) struct Events {
     /// Distinguishes the events of this process from those of an earlier one.
     run: String,
     kept: Mutex<VecDeque<Told>>,
-    /// Number of all events.
+    /// Number of events so far.
     n_told: watch::Sender<u64>,
     /// Pose of the camera. It is only sent to current listeners, because it is soon outdated.
     passing: watch::Sender<Option<Passing>>,

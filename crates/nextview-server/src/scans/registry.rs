@@ -148,7 +148,8 @@ impl Scans {
         Ok(IdState { scan: Some(Arc::new(scan)), after, is_leaving: false })
     }
 
-    /// The id of the scan in a folder, if it is one of these, for any form of its path.
+    /// The id of a scan by its folder, whatever form the path has; `None` if the folder is not in this
+    /// server's.
     fn id_of(&self, dir: &Path) -> Option<String> {
         let dir = dir.canonicalize().ok()?;
         let is_one = dir.parent() == Some(self.dir());

@@ -17,7 +17,7 @@ use tokio::sync::{Mutex as AsyncMutex, Semaphore};
 pub(crate) struct Cores {
     /// Limit on requests to different scans.
     pub requests: Arc<Semaphore>,
-    /// Limit on scenes: viewers do not slow down scans.
+    /// Limit on scenes, so that viewers do not slow down scans.
     pub scenes: Arc<Semaphore>,
 }
 

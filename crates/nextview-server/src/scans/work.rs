@@ -23,7 +23,7 @@ pub(crate) struct Work {
     scan: Option<Box<LiveScan>>,
     phase: Phase,
     pub cancel: Cancel,
-    /// Number of frames after which listeners were told of this view.
+    /// The view of which listeners were told last, and the number of frames at that time.
     told: Option<(usize, Option<usize>)>,
 }
 
@@ -49,7 +49,8 @@ impl Work {
         work
     }
 
-    /// Notes that the scan on the disk is finished, which another process that resumed it may have done.
+    /// Updates the state if the scan on the disk is finished: another process may have resumed and finished
+    /// it.
     pub fn look(&mut self) {
         let has_results = || !ScanJournal::is_in(&self.dir) && self.dir.join("record.json").is_file();
         if self.scan.is_none() && self.phase == Phase::UnderWay && has_results() {

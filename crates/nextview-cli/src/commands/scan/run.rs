@@ -178,7 +178,7 @@ impl Output {
         Ok(folder)
     }
 
-    /// The rule for replacing files: none that the scan reads.
+    /// The rule for replacing files, which protects all files that the scan reads.
     fn rule(&self, config: &ScanConfig) -> Overwrite {
         self.rule.clone().but(config.inputs().into_iter().chain(self.config.clone()).collect())
     }
