@@ -1,4 +1,4 @@
-//! Passes on what only a build script is told: the target and the profile, for `--version`.
+//! Passes on the target and the profile, which only a build script knows, for `--version`.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,4 +1,4 @@
-//! Finds out which sources this is built from, for the identity of the build in records.
+//! Identifies the sources of this build, for the identity of the build in records.
 
 use std::fs;
 use std::hash::Hasher;
@@ -12,8 +12,8 @@ const CRATES: [&str; 5] =
 fn main() {
     let crate_dir = PathBuf::from(std::env::var("CARGO_MANIFEST_DIR").expect("set by cargo"));
     let root = crate_dir.join("../..");
-    // In the repository all crates that decide results count, in a package of this crate alone its own
-    // sources.
+    // In the repository, the sources of all crates that decide results; in a package of this crate alone, its
+    // own sources.
     let is_repository = root.join("crates/nextview-scan/build.rs").exists();
     let folders: Vec<PathBuf> = match is_repository {
         true => CRATES.map(|name| root.join("crates").join(name)).to_vec(),
@@ -35,7 +35,7 @@ fn main() {
     println!("cargo::rustc-env=NEXTVIEW_SOURCE={}", commit(&root, is_repository, &hash));
 }
 
-/// The commit, with the hash where sources differ from it; the hash alone where there is no repository.
+/// The commit, with the hash if the sources differ from it; only the hash if there is no repository.
 fn commit(root: &Path, is_repository: bool, hash: &str) -> String {
     let git = |arguments: &[&str]| {
         let output = Command::new("git").args(arguments).current_dir(root).output().ok()?;

@@ -1,4 +1,4 @@
-//! Whole campaigns: the results do not depend on how they went.
+//! Whole campaigns: the results do not depend on interruptions and on the order of the runs.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// Coarse and with a small camera: about a second.
+/// Coarse voxels and a small camera: takes about a second.
 const SPEC: &str = r#"
 name = "tiny"
 objects = ["builtin:mug", "builtin:bracket"]
@@ -58,7 +58,7 @@ impl Drop for Folder {
     }
 }
 
-/// What must not depend on how the campaign went.
+/// The tables that must not depend on how the campaign was executed.
 fn lasting_tables(folder: &Folder, store: &Store) -> Vec<Vec<u8>> {
     tables::write(&folder.0, &store.finished()).unwrap();
     let names = ["runs.csv", "steps.csv"].into_iter();
@@ -104,7 +104,7 @@ fn drawn_first_views_are_above_the_table() {
     assert_eq!(runs_on_a_table(&folder, "6"), runs, "a finished campaign is resumed");
 }
 
-/// Their numbers are stated by somebody who should know.
+/// The specification states their numbers, so a candidate that does not exist is a fault.
 #[test]
 fn a_listed_first_view_below_the_table_is_a_failed_run() {
     for run in runs_on_a_table(&Folder::new("listed-first-view"), "[19]") {
@@ -150,8 +150,8 @@ fn results_do_not_depend_on_the_number_of_jobs_nor_on_who_hands_out_the_runs() {
     assert!(all.iter().all(|tables| *tables == all[0]));
 }
 
-/// Does the batches for so many workers, each run by its text as another process would; how many runs each
-/// has.
+/// Executes the batches for `n_workers` workers, each from its text, as another process would; returns the
+/// number of runs of each.
 fn dispatched(folder: &Folder, n_workers: usize) -> (Dispatch, Vec<CampaignEvent>, Vec<usize>) {
     let mut dispatch = Dispatch::new(Store::open(&folder.0, &spec(), Shard::WHOLE, true).unwrap());
     let (mut events, mut sizes) = (dispatch.beginning(), Vec::new());

@@ -1,4 +1,4 @@
-//! How much memory a run of a large campaign takes, and the parts of its tables.
+//! The memory per run of a large campaign, and the parts of its tables.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -12,7 +12,8 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Name of the test, which calls itself in processes of their own, and what tells them what to do, and where.
+/// Name of the test, which calls itself in separate processes, and the variables that tell them what to do,
+/// and where.
 const TEST: &str = "little_is_held_of_each_run_and_tables_have_parts";
 const WORK: &str = "NEXTVIEW_MANY_RUNS";
 
@@ -34,7 +35,7 @@ fn do_work(work: &str, dir: &Path) {
     println!("peak {}", memory::peak_mb().unwrap_or_default());
 }
 
-/// The most memory, kB, that a process of its own holds for this work.
+/// Peak memory in kB of a separate process that does this work.
 fn peak_kb(work: &str, dir: &Path) -> f64 {
     let mut command = Command::new(env::current_exe().unwrap());
     command.args(["--exact", TEST, "--nocapture"]).env(WORK, work).current_dir(dir);
@@ -45,7 +46,7 @@ fn peak_kb(work: &str, dir: &Path) -> f64 {
     1e3 * peak.lines().next().unwrap().parse::<f64>().unwrap()
 }
 
-/// Parts of tables are of 2048 runs, and tell of which objects.
+/// Each part of a table has 2048 runs, and states their objects.
 #[cfg(feature = "parquet")]
 fn check_parts(dir: &Path, n_runs: usize) {
     use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -66,15 +67,15 @@ fn check_parts(dir: &Path, n_runs: usize) {
     }
 }
 
-/// A record has 18 kB of text, and more in memory. What is held of it is far less: of each of the further
-/// runs of a larger campaign its place, for a comparison six numbers, and for a report those of its views.
+/// A record has 18 kB of text, and more in memory. Far less is held for each run: its place in the file, for
+/// a comparison six numbers, and for a report the numbers of its views.
 #[test]
 fn little_is_held_of_each_run_and_tables_have_parts() {
     if let Ok(work) = env::var(WORK) {
         return do_work(&work, Path::new(""));
     }
     let folder = env::temp_dir().join(format!("nextview-many-runs-{}", std::process::id()));
-    // Both have a whole part of each table, whose records are held together.
+    // Both have one complete part of each table, whose records are held together.
     let (few, many) = (21, 60);
     let peaks = [few, many].map(|n_seeds| {
         let dir = folder.join(n_seeds.to_string());

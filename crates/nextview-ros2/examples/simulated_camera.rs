@@ -1,9 +1,9 @@
-//! A simulated depth camera before a mug, for checks of the node. Without arguments it reads a pose a line,
-//! the position and the quaternion x y z w of the camera in the world, and writes its image, 640 x 480 floats
-//! of four bytes, the lowest first, in metres, NaN where nothing is measured.
+//! A simulated depth camera in front of a mug, for checks of the node. Without arguments, it reads one pose
+//! per line: the position and the quaternion x y z w of the camera in the world. For each, it writes the
+//! image: 640 x 480 little-endian 32-bit floats in metres, NaN where nothing is measured.
 //!
-//! `simulated_camera scan VIEWS` scans in this process, and prints the numbers of the views and those of
-//! occupied and of free voxels at the end.
+//! `simulated_camera scan VIEWS` scans in this process. At the end, it prints the numbers of the views and
+//! how many voxels are occupied and free.
 
 use glam::{DQuat, DVec2, DVec3};
 use nextview::Cancel;
@@ -16,7 +16,7 @@ use std::error::Error;
 use std::io::{BufRead, Write};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // Without distortion, as rectified images are.
+    // Without distortion, like rectified images.
     let camera = Intrinsics::pinhole(640, 480, DVec2::splat(610.0), DVec2::new(319.5, 239.5))?;
     let object = "builtin:mug".to_owned();
     let config = ScanConfig { object, camera, baselines: false, ..ScanConfig::default() };
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             while let Some(next) = scan.next()? {
                 views.push(next.view);
                 let pose = next.world_from_camera;
-                // As a transform brings it: a last bit may change what is planned.
+                // Passed through a transform, as in the node: even a last bit may change the plan.
                 let mut tree = TransformTree::new(0.0);
                 tree.insert("map", "optical", 0.0, Pose::new(pose.rotation(), pose.translation())?)?;
                 let pose = tree.lookup("map", "optical", 0.0)?;

@@ -1,4 +1,4 @@
-//! The program as a launch file starts it. `checks/check_node.py` scans with it.
+//! The program, started as by a launch file. `checks/check_node.py` scans with it.
 
 use std::process::Command;
 

@@ -1,4 +1,5 @@
-//! Planners that the program around the library provides: a process of its own, which has registered some.
+//! Planners provided by the program around the library. This test is a separate process, because it registers
+//! some.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -51,7 +52,7 @@ fn config(planner: &str) -> ScanConfig {
     ScanConfig { source: SourceConfig::Live(live), ..ScanConfig::parse(&text, None, None).unwrap() }
 }
 
-/// Takes a view in which nothing is seen; none if the scan is over.
+/// Takes a view that shows nothing; `None` if the scan is over.
 fn step(scan: &mut LiveScan) -> Result<Option<()>, Fault> {
     let Some(view) = scan.next()? else { return Ok(None) };
     let nothing = vec![f32::INFINITY; scan.config().camera.n_pixels()];

@@ -1,4 +1,4 @@
-//! The JSON Schemas in the repository are those of the types.
+//! The JSON Schemas in the repository match the types.
 
 #![cfg(feature = "schema")]
 #![allow(clippy::unwrap_used, reason = "helpers of a test")]

@@ -39,7 +39,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Where a frame is posted as raw numbers. Its id is that of the view: sent again, it counts once.
+/// The address to which a frame is posted as raw numbers. The frame's id is that of the view: sent again, it
+/// counts once.
 fn frame_address(scan: &str, view: &Value, image: &DepthImage) -> String {
     let rows = view["world_from_camera"].as_array().into_iter().flatten();
     let numbers: Vec<String> =
@@ -53,7 +54,7 @@ fn frame_address(scan: &str, view: &Value, image: &DepthImage) -> String {
     )
 }
 
-/// Metres; NaN where nothing was measured, infinity where nothing came back.
+/// Metres; NaN where nothing was measured, infinity for pixels without return.
 fn little_endian(image: &DepthImage) -> Vec<u8> {
     let pixels = (0..image.height()).flat_map(|v| (0..image.width()).map(move |u| image.get(u, v)));
     let metres = pixels.map(|pixel| match pixel {

@@ -1,5 +1,5 @@
-//! Stands in for a robot with a depth camera before a mug: reads the answer of `/next` from a file, and
-//! writes what the camera would take there, as the parts of a frame.
+//! Stands in for a robot with a depth camera in front of a mug: reads the answer of `/next` from a file, and
+//! writes the frame that the camera would take there, as the parts of a request.
 //!
 //! `take_frame next.json frame.json depth.png`
 

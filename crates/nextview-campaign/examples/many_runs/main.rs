@@ -1,4 +1,4 @@
-//! Writes the shards of a large campaign whose runs never happened, to measure what becomes of many records.
+//! Writes the shards of a large, synthetic campaign, to measure how many records are processed.
 //!
 //! ```sh
 //! cargo run --release -p nextview-campaign --example many_runs -- FOLDER N_OBJECTS N_SEEDS N_SHARDS [DRAW]

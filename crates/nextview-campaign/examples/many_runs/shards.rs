@@ -20,7 +20,8 @@ camera = { width = 80, height = 60, fx = 76, fy = 76, cx = 40, cy = 30 }
 sweep.planner = ["most-surface", "max-flow", "apora", "rse", "random"]
 "#;
 
-/// Folders of shards below this one: five variants on so many objects, with so many seeds.
+/// Writes the folders of the shards below this one: five variants on this number of objects, with this number
+/// of seeds.
 pub fn write(
     folder: &Path,
     [n_objects, n_seeds, n_shards]: [usize; 3],
@@ -47,7 +48,7 @@ pub fn write(
     (1..=n_shards).map(write_shard).collect()
 }
 
-/// The record of this run, made up.
+/// A synthetic record of this run.
 fn record(runs: &Runs, number: usize, template: &RunRecord, draw: u64) -> Option<RunRecord> {
     let Run { id, data_set, mut config, .. } = runs.get(number)?;
     config.voxel_size_m = template.config.voxel_size_m;

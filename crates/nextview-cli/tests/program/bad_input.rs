@@ -1,11 +1,11 @@
-//! Whatever is wrong is said at once, on stderr, with place and remedy; nothing else happens.
+//! Every fault is reported immediately, on stderr, with place and remedy; nothing else happens.
 
 use crate::common::{Folder, Run, small};
 use crate::recording::{SCAN, png, write_recording};
 use png::BitDepth;
 use std::time::{Duration, Instant};
 
-/// A fault is found before the work, which takes longer than this.
+/// Faults must be found within this time: the work itself takes longer.
 const AT_ONCE: Duration = Duration::from_secs(8);
 
 const USAGE: i32 = 2;
@@ -29,7 +29,7 @@ impl Run {
         assert_eq!((self.code, stdout.as_str()), (Some(code), ""), "{stderr}");
         assert!(stderr.starts_with("error: ") && stderr.matches("error: ").count() >= 1, "{stderr}");
         assert!(!stderr.contains("panicked"), "{stderr}");
-        // Keys of files stand without backticks.
+        // Keys of files have no backticks.
         let plain = stderr.replace('`', "");
         for part in parts {
             assert!(plain.contains(&part.replace('`', "")), "expected {part:?} in {stderr:?}");
@@ -176,7 +176,7 @@ fn view_files_with_faults() {
         USAGE,
         &["--first-view is 1", "0 to 0"],
     );
-    // From inside the room, but all away from the object.
+    // Poses inside the room that all look away from the object.
     folder.write("blind.csv", "0.3,0,0.05,0,0,0,1\n");
     let blind = ["scan", "builtin:mug", "--view-space", "blind.csv", "--views", "1", "--json"];
     folder.refused(&blind, DATA, &["no view candidate sees the object"]);
@@ -437,7 +437,7 @@ fn questions_that_a_map_cannot_answer() {
     folder.refused(&["views", "--center", "1,2"], USAGE, &["--center", "x,y,z"]);
 }
 
-/// Tests may run as root, who may write everywhere; so a file stands in the way.
+/// Tests may run as root, which may write everywhere, so a file is in the way.
 #[cfg(unix)]
 #[test]
 fn places_that_cannot_be_written() {
@@ -484,7 +484,7 @@ fn a_full_disk_behind_a_file_or_stdout() {
     assert_eq!(folder.names("."), [""; 0]);
 }
 
-/// Needs the right to mount a small disk, if only in a name space of its own.
+/// Requires permission to mount a small disk, at least in a separate name space.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_leaves_nothing_behind() {

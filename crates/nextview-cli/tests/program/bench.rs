@@ -1,4 +1,4 @@
-//! Campaigns: whatever happens on the way, the tables are the same.
+//! Campaigns: the tables are the same whatever happens during execution.
 
 use crate::common::Folder;
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-/// Coarse and with a small camera: about a second.
+/// Coarse voxels and a small camera: takes about a second.
 const SPEC: &str = r#"
 name = "tiny"
 objects = ["builtin:mug", "builtin:bracket"]
@@ -31,7 +31,7 @@ scan = { planner = "clairvoyant", baselines = false }
 
 const N_RUNS: usize = 10;
 
-/// What must not depend on how the campaign went.
+/// The tables that must not depend on how the campaign was executed.
 const TABLES: [&str; 4] = ["runs.csv", "runs.parquet", "steps.csv", "steps.parquet"];
 
 const FILES: [&str; 8] = [
@@ -45,7 +45,7 @@ const FILES: [&str; 8] = [
     "times.parquet",
 ];
 
-/// A folder with the finished campaign in `bench-tiny`, as all others must be.
+/// A folder with the finished campaign in `bench-tiny`, which all others must equal.
 fn finished(name: &str) -> Folder {
     let folder = Folder::new(name);
     folder.write("tiny.toml", SPEC);
@@ -118,7 +118,7 @@ fn tables_hold_every_run_and_view() {
     for column in ["cloud_accuracy_mean_mm", "cloud_completeness_2mm"] {
         let at = runs.lines().next().unwrap().split(',').position(|name| name == column).unwrap();
         let columns_after = runs.lines().next().unwrap().split(',').count() - at;
-        // From the end, since labels hold commas.
+        // Counted from the end, since labels contain commas.
         let values = runs.lines().skip(1).map(|line| line.rsplit(',').nth(columns_after - 1).unwrap());
         let values: Vec<f64> = values.map(|value| value.parse().unwrap()).collect();
         assert!(values.iter().all(|value| (1e-6..2.0).contains(value)), "{column}: {values:?}");
@@ -142,7 +142,7 @@ fn a_killed_campaign_goes_on_to_the_same_tables() {
         }
         child.kill().unwrap();
         child.wait().unwrap();
-        // Without the specification where the folder holds it.
+        // The specification is left out if the folder holds it.
         let has_spec = folder.path(&format!("{out}/spec.toml")).exists();
         let spec: &[&str] = if has_spec { &[] } else { &["tiny.toml"] };
         folder.ok(&[&["bench", "--resume", "--out", &out], spec].concat());
@@ -150,7 +150,7 @@ fn a_killed_campaign_goes_on_to_the_same_tables() {
     }
 }
 
-/// A process that is killed may leave a table that it was about to show.
+/// A killed process may leave a table that it was about to publish.
 fn check_tables_but_leftovers(folder: &Folder, out: &str) {
     for name in folder.names(out).iter().filter(|name| name.ends_with(".partial")) {
         std::fs::remove_file(folder.path(&format!("{out}/{name}"))).unwrap();
@@ -211,7 +211,7 @@ fn cells(line: &str) -> Vec<String> {
     cells
 }
 
-/// The row of a table of a campaign as the columns' values.
+/// A row of a campaign's table: returns the value of a column.
 fn row(folder: &Folder, number: usize) -> impl Fn(&str) -> String {
     let csv = folder.text("bench-tiny/runs.csv");
     let mut lines = csv.lines();
@@ -316,7 +316,7 @@ fn a_finished_campaign_is_not_that_of_the_next() {
     assert!(told.contains("results in bench-tiny-2 ("), "{told}");
     check_tables(&folder, "bench-tiny-2");
     assert_eq!(folder.bytes("bench-tiny/runs.jsonl"), first);
-    // The last one is resumed, or the one after it that was interrupted.
+    // The last campaign is resumed, or an interrupted one after it.
     let resumed = folder.ok(&["bench", "tiny.toml", "--resume"]);
     assert!(resumed.contains("10 runs, 10 already done, in bench-tiny-2\n"), "{resumed}");
     let lines = folder.text("bench-tiny/runs.jsonl");
@@ -335,7 +335,7 @@ fn a_finished_campaign_is_not_that_of_the_next() {
 #[test]
 fn other_files_are_neither_specification_nor_tables() {
     let folder = Folder::new("bench-others");
-    // The campaign's own would hold the whole path.
+    // The specification that the campaign writes would contain the absolute path.
     let spec = SPEC.replace("builtin:mug", "part.obj");
     folder.write("spec.toml", &spec);
     folder.write("part.obj", "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nf 1 2 3\n");

@@ -10,7 +10,7 @@ use std::io::{BufWriter, Read, Write};
 use std::process::Stdio;
 use std::time::Duration;
 
-/// What a command may take whatever it reads, bytes.
+/// Memory that a command may take whatever it reads, bytes.
 const FREE: u64 = 200_000_000;
 
 impl Folder {
@@ -18,8 +18,8 @@ impl Folder {
     /// within the bound.
     fn within_bound(&self, args: &[&str], file: &str) -> Run {
         let bound = FREE + 20 * size(&self.path(file));
-        // An address space of some more: what is reserved and not used does not count, but a peak that is not
-        // seen in time ends the program.
+        // A slightly larger address space: memory that is reserved but unused does not count, but a peak
+        // between two measurements ends the program.
         let kilobytes = bound / 1000 + 600_000;
         let script = format!("ulimit -v {kilobytes}; exec \"$0\" \"$@\"");
         let mut command = std::process::Command::new("bash");
@@ -38,7 +38,7 @@ impl Folder {
         run
     }
 
-    /// The same of a command that must refuse with a message that has all these parts.
+    /// Runs the command within the same bound; it must refuse with a message that has all these parts.
     fn refuses_bomb(&self, args: &[&str], file: &str, parts: &[&str]) {
         let run = self.within_bound(args, file);
         assert_eq!((run.code, run.stdout.as_str()), (Some(1), ""), "{args:?}: {}", run.stderr);
@@ -55,7 +55,7 @@ fn size(path: &std::path::Path) -> u64 {
     }
 }
 
-/// Runs a command and looks at the most memory it ever held again and again, bytes.
+/// Runs a command and measures its peak memory again and again, bytes.
 fn measured(mut command: std::process::Command) -> (Run, u64) {
     let mut child =
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -87,7 +87,7 @@ fn record(opcode: u8, content: &[u8]) -> Vec<u8> {
     [&[opcode][..], &(content.len() as u64).to_le_bytes(), content].concat()
 }
 
-/// A chunk that states so many bytes.
+/// A chunk that states `plain` bytes.
 fn chunk(compression: &str, packed: &[u8], plain: u64) -> Vec<u8> {
     let mut content = vec![0; 16];
     content.extend(plain.to_le_bytes());
@@ -103,7 +103,7 @@ fn mcap(records: &[u8]) -> Vec<u8> {
     [b"\x89MCAP0\r\n", records, &record(0x0f, &[0; 4])].concat()
 }
 
-/// Zstandard (RFC 8878): so many blocks of this size, at most 128 KiB, that repeat one byte.
+/// Zstandard (RFC 8878): `n_blocks` blocks of this size, at most 128 KiB, that repeat one byte.
 fn zstd_of_zeros(n_blocks: u32, size: u32) -> Vec<u8> {
     // No single segment, no check sum; a window of 128 KiB.
     let mut frame = vec![0x28, 0xb5, 0x2f, 0xfd, 0x00, 0x38];
@@ -119,7 +119,7 @@ fn zstd_of_zeros(n_blocks: u32, size: u32) -> Vec<u8> {
 fn chunks_of_a_recording() {
     let folder = Folder::new("bomb-mcap");
     let scan = ["scan", "--frames", "bomb.mcap"];
-    // 197 KB for 6.4 GB, and what the file says about itself is true.
+    // 197 KB for 6.4 GB, and the sizes that the file states are true.
     let packed = zstd_of_zeros(49_000, 128 * 1024);
     folder.write("bomb.mcap", mcap(&chunk("zstd", &packed, 49_000 * 128 * 1024)));
     let parts = [
@@ -127,10 +127,10 @@ fn chunks_of_a_recording() {
         "expected at most 35122480",
     ];
     folder.refuses_bomb(&scan, "bomb.mcap", &parts);
-    // It states little.
+    // The chunk states a small size.
     folder.write("bomb.mcap", mcap(&chunk("zstd", &packed, 1000)));
     folder.refuses_bomb(&scan, "bomb.mcap", &["a chunk is damaged: 1001 bytes"]);
-    // Many chunks, each within the limit, of records of nine bytes that mean nothing.
+    // Many chunks, each within the limit, of meaningless records of nine bytes.
     let one = chunk("zstd", &zstd_of_zeros(256, 9 * 14_000), 256 * 9 * 14_000);
     folder.write("bomb.mcap", mcap(&one.repeat(200)));
     folder.refuses_bomb(
@@ -164,7 +164,7 @@ fn messages_of_a_recording() {
         let channel = [&[1, 0, 1, 0][..], &text(topic), &text("cdr")].concat();
         [record(0x03, &schema), record(0x04, &channel)].concat()
     };
-    // Each takes a hundred bytes, of which almost nothing is left when it is packed.
+    // Each takes a hundred bytes, and almost none when compressed.
     let pose =
         [&[0, 1, 0, 0][..], &[0; 8], &1_u32.to_le_bytes(), &[0; 4], &[0; 48], &1_f64.to_le_bytes()].concat();
     let message = record(0x05, &[&[1, 0][..], &[0; 20], &pose].concat());
@@ -178,13 +178,13 @@ fn messages_of_a_recording() {
         "bomb.mcap",
         &["bomb.mcap: ", "expected at most"],
     );
-    // The name of the topic is that of every message.
+    // Every message has the name of the topic.
     folder.write("bomb.mcap", mcap(&names(&"/t".repeat(1_000_000))));
     let parts = ["a name has 2000000 bytes, expected at most 256"];
     folder.refuses_bomb(&["scan", "--frames", "bomb.mcap"], "bomb.mcap", &parts);
 }
 
-/// Writes an image without anything on it, row by row.
+/// Writes an empty image, row by row.
 fn write_png(folder: &Folder, name: &str, side: u32, color: png::ColorType, depth: png::BitDepth) {
     let file = BufWriter::new(File::create(folder.path(name)).unwrap());
     let mut encoder = png::Encoder::new(file, side, side);
@@ -230,7 +230,7 @@ fn the_largest_images_that_are_accepted() {
     let folder = Folder::new("bomb-large-png");
     write_recording(&folder, 10);
     let (width, height) = (1280, 720);
-    // Near the camera, at depths that differ a little: all of it is mapped.
+    // Near the camera, at slightly different depths: every pixel is mapped.
     let row = |v: u32| (0..width).flat_map(move |u| (300 + (u / 256 + v / 256) as u16).to_be_bytes());
     let pixels: Vec<u8> = (0..height).flat_map(row).collect();
     let image = crate::recording::png(width, height, png::BitDepth::Sixteen, &pixels);
@@ -257,7 +257,7 @@ fn lists_of_a_recording() {
     folder.refuses_bomb(&["scan", "--frames", "tum"], "tum", &parts);
 }
 
-/// glTF of one mesh in many places.
+/// A glTF file with one mesh in many places.
 fn gltf(nodes: &str, scene: &str, n_triangles: usize) -> String {
     let n_bytes = 36 + 12 * n_triangles;
     format!(
@@ -291,7 +291,7 @@ fn meshes_in_many_places() {
     );
     let parts = ["a.gltf: mesh: ", " triangles in 12", " MB, more than the limit of 12", "20 times the file"];
     folder.refuses_bomb(&scan, "m", &parts);
-    // Nodes without anything, and one node again and again.
+    // Empty nodes, and one node again and again.
     folder.write("m/data.bin", gltf_data(1));
     folder.write("m/a.gltf", gltf(&list(&|_| "{}".into(), 3_000_000), "0", 1));
     folder.refuses_bomb(
@@ -330,7 +330,7 @@ fn meshes_of_polygons() {
     folder.refuses_bomb(&["scan", "a.obj"], "a.obj", &["a.obj: mesh: 3 vertices and 2999998 triangles"]);
 }
 
-/// The densest file of the usual kind, as large as it may be: within the bound and scanned.
+/// The densest ordinary file of the maximum size: it stays within the bound and is scanned.
 #[test]
 fn a_mesh_near_the_limit() {
     let folder = Folder::new("bomb-large-mesh");
@@ -405,7 +405,7 @@ fn maps_of_merged_leaves() {
 fn files_without_end() {
     let folder = Folder::new("bomb-sparse");
     folder.ok(&small(&["--views", "1", "--baselines", "off"]));
-    // A hole of 100 GB takes no space on the disk.
+    // A sparse file of 100 GB takes no space on the disk.
     let holes = ["hole", "hole.ply", "hole.obj"];
     holes.iter().for_each(|hole| File::create(folder.path(hole)).unwrap().set_len(100_000_000_000).unwrap());
     fs::create_dir(folder.path("runs")).unwrap();

@@ -1,5 +1,4 @@
-//! `report` and `compare` on folders that are none; what they tell of campaigns is tested where it is
-//! computed.
+//! `report` and `compare` on folders that are not campaigns; their content is tested where it is computed.
 
 use crate::common::Folder;
 

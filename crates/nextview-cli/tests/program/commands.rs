@@ -1,5 +1,5 @@
-//! The commands on the pages are commands: the program knows their options and values, and files of this
-//! repository that they name are there.
+//! The commands on the pages are valid: the program knows their options and values, and the files of this
+//! repository that they name exist.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -9,7 +9,7 @@ use nextview_cli::commands::Cli;
 use std::fs;
 use std::path::PathBuf;
 
-/// Folders of this repository that commands name files of.
+/// Folders of this repository whose files commands name.
 const FOLDERS: [&str; 7] =
     [".ci/", "benchmarks/", "contrib/", "crates/", "examples/", "python/", "training/"];
 
@@ -58,13 +58,13 @@ fn commands(line: &str) -> Vec<Vec<String>> {
     parts.map(command).filter(|command| !command.is_empty()).collect()
 }
 
-/// What is wrong with a command, if it is one of the program.
+/// The fault of a command; `None` if it is valid, or not a command of the program.
 fn fault(command: &[String]) -> Option<clap::Error> {
     let arguments = match command {
         [program, ..] if program == "nextview" => command,
         [cargo, run, rest @ ..] if cargo == "cargo" && run == "run" => {
             let place = rest.iter().position(|word| word == "--")?;
-            // What runs where nothing is named is the program.
+            // If nothing is named, the program runs.
             let names = ["-p", "--package", "--bin", "--example", "--manifest-path"];
             let is_program = !rest[..place].iter().any(|word| names.contains(&word.as_str()));
             is_program.then_some(&rest[place..])?

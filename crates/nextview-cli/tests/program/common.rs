@@ -6,11 +6,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// A scan that takes a second or two; another one may follow it in the folder.
+/// A scan that takes a second or two; a test may run another one in the folder afterwards.
 pub const SMALL: [&str; 8] =
     ["scan", "builtin:mug", "--candidates", "20", "--voxel-size-m", "0.01", "--out=out", "--force"];
 
-/// What a scan leaves in its folder.
+/// The files that a scan leaves in its folder.
 pub const RESULT_FILES: [&str; 11] = [
     "cloud.ply",
     "config.toml",
@@ -28,7 +28,7 @@ pub const RESULT_FILES: [&str; 11] = [
 /// A fresh folder, removed at the end unless the test fails.
 pub struct Folder(PathBuf);
 
-/// What a run of the program came to.
+/// The outcome of a run of the program.
 #[derive(Debug)]
 pub struct Run {
     pub code: Option<i32>,
@@ -94,7 +94,7 @@ impl Folder {
         run.stdout
     }
 
-    /// The same for a command that prints JSON.
+    /// Runs a command that prints JSON, and must succeed; returns the JSON.
     pub fn json(&self, args: &[&str]) -> Value {
         serde_json::from_str(&self.ok(args)).unwrap()
     }
@@ -124,7 +124,7 @@ pub fn small<'a>(args: &[&'a str]) -> Vec<&'a str> {
     [&SMALL, args].concat()
 }
 
-/// A record without what differs between equal runs: times and memory.
+/// A record without times and memory, which differ between equal runs.
 pub fn timeless(mut record: Value) -> Value {
     let entries = record.as_object_mut().unwrap();
     entries.retain(|key, _| !key.ends_with("_time_ms") && key != "peak_memory_mb");
@@ -134,7 +134,7 @@ pub fn timeless(mut record: Value) -> Value {
     record
 }
 
-/// A quantity of a record after each view; NaN where there is none.
+/// A quantity of a record after each view; NaN if a step has none.
 pub fn curve(record: &Value, key: &str) -> Vec<f64> {
     let steps = record["steps"].as_array().unwrap();
     steps.iter().map(|step| step[key].as_f64().unwrap_or(f64::NAN)).collect()

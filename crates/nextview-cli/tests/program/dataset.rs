@@ -1,7 +1,7 @@
 use crate::common::Folder;
 use std::fs;
 
-/// More than a file of objects.
+/// More objects than one file holds.
 const MAKE: [&str; 6] = ["dataset", "nbv-net", "--objects", "65", "--out", "data"];
 
 const FILES: [&str; 3] = ["dataset.toml", "objects-0000000.npy", "objects-0000064.npy"];

@@ -4,7 +4,7 @@ use crate::common::Folder;
 use crate::recording::{SCAN, write_colors, write_recording};
 use nextview_sim::mesh::{Unit, load};
 
-/// Every format, and a file that it has.
+/// Every format, and one of its files.
 const FORMATS: [(&str, &str); 8] = [
     ("bop", "train/000001/mask_visib/000001_000000.png"),
     ("colmap", "sparse/0/points3D.bin"),
@@ -84,7 +84,7 @@ fn frames_of_ones_own_are_not_replaced() {
     assert_eq!(folder.bytes("out/frames/notes.txt"), b"mine");
 }
 
-/// A tetrahedron of 0.1 m as OBJ, with what else the file says.
+/// A tetrahedron of 0.1 m as OBJ, with the other content of the file.
 fn tetrahedron(head: &str, corners: [&str; 4]) -> String {
     let [a, b, c, d] = corners;
     let vertices = "v -0.05 -0.04 0\nv 0.05 -0.04 0\nv 0 0.05 0\nv 0 0 0.1\nvt 0.5 0.5\n";
@@ -117,7 +117,7 @@ fn an_object_with_a_colour_becomes_a_mesh_with_that_colour() {
         }
         assert!(20 * n_right > 19 * mesh.triangles().len(), "{n_right} of {}", mesh.triangles().len());
     }
-    // The same bits with another number of threads.
+    // Equal bit for bit with another number of threads.
     folder.ok(&["export", "out", "--to", "obj", "--out", "one", "--threads", "1"]);
     for name in ["mesh.obj", "mesh.mtl", "mesh.png"] {
         assert_eq!(folder.bytes(&format!("one/{name}")), folder.bytes(&format!("obj/{name}")), "{name}");

@@ -1,4 +1,5 @@
-//! The output that docs/scan.md and docs/start.md show is what their commands print, times and memory aside.
+//! The output shown in docs/scan.md and docs/start.md is what their commands print, except for times and
+//! memory.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 

@@ -1,7 +1,7 @@
 use crate::common::Folder;
 
-/// The help of a command is exactly what `tests/program/help` holds. After a change on purpose, look at it
-/// and write it anew: `nextview COMMAND --help | cat > FILE`.
+/// The help of a command is exactly what `tests/program/help` holds. After an intended change, check it and
+/// write the file again: `nextview COMMAND --help | cat > FILE`.
 fn check(command: &[&str]) {
     let folder = Folder::new(&format!("help{}", command.join("-")));
     let help = folder.ok(&[command, &["--help"]].concat());

@@ -1,9 +1,9 @@
-//! A scanned part beside its CAD model.
+//! A scanned part compared with its CAD model.
 
 use crate::common::{Folder, small};
 use nextview_sim::builtin;
 
-/// The mug in millimetres, as CAD programs write it, in another place.
+/// The mug in another place and in millimetres, as CAD programs write it.
 fn cad() -> String {
     let mesh = builtin::by_name("mug").unwrap();
     let center = mesh.bounds().center();

@@ -2,8 +2,8 @@ use crate::common::Folder;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
-/// Interrupts scans after this many lines on stdout, and tells what they leave in the folder that they were
-/// to write.
+/// Interrupts scans after this number of lines on stdout, and checks what they leave in the folder for their
+/// results.
 fn interrupt_after(n_lines: usize, name: &str, more: &[&str], left: &[&str]) {
     for out in ["new", "deep/er", "."] {
         let folder = Folder::new(name);
@@ -29,7 +29,7 @@ fn during_the_scan_leaves_its_frames() {
     interrupt_after(6, "interrupt-scan", &long, &["scan.journal"]);
 }
 
-/// A test may run where a shell has it ignore Ctrl-C, so `env` undoes that.
+/// The shell that runs the tests may make them ignore Ctrl-C; `env` undoes that.
 #[cfg(target_os = "linux")]
 #[test]
 fn ctrl_c_says_how_to_go_on() {

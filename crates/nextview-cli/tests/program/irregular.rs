@@ -1,4 +1,4 @@
-//! Devices and pipes may never end: they are refused at once wherever a file is read.
+//! Devices and pipes may never end, so they are refused immediately wherever a file is read.
 
 use crate::common::{Folder, Run, small};
 use crate::recording::{SCAN, write_recording};
@@ -7,11 +7,11 @@ use std::os::unix::ffi::OsStrExt;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// Time that refusing may take.
+/// Maximum time to refuse.
 const AT_ONCE: Duration = Duration::from_secs(8);
 
 impl Folder {
-    /// Makes a pipe that nobody writes to, in place of what was there.
+    /// Makes a pipe that nobody writes to, in place of an existing file.
     fn pipe(&self, name: &str) {
         let _ = std::fs::remove_file(self.path(name));
         assert!(Command::new("mkfifo").arg(self.path(name)).status().unwrap().success());
@@ -92,7 +92,7 @@ fn as_a_part_of_a_recording() {
     folder.refuses_pipe(&with_truth, "pipe");
 }
 
-/// Configurations and results are text, and names stand in them.
+/// Configurations and results are text, and contain names of files.
 #[test]
 fn names_that_are_no_text_are_refused() {
     let folder = Folder::new("not-unicode");

@@ -1,6 +1,6 @@
-//! Folders that a program of November 2026 wrote still open: `kept/interrupted`, a scan killed after its
-//! first frame; `kept/finished`, a finished scan; `kept/campaign`, two of four runs. Records may gain keys;
-//! what is kept here is never made anew.
+//! Folders written by a program of November 2026 can still be opened: `kept/interrupted`, a scan killed after
+//! its first frame; `kept/finished`, a finished scan; `kept/campaign`, two of four runs. Records may gain
+//! keys; the folders are never regenerated.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 

@@ -1,4 +1,4 @@
-//! The program, driven as a user drives it.
+//! The program, driven as by a user.
 
 // `cfg(test)` lets Clippy know that the `unwrap`s of helpers, too, are those of a test.
 #[cfg(test)]

@@ -66,11 +66,11 @@ fn conversions_keep_what_the_format_can_hold() {
     folder.ok(&["map", "convert", "b.bt", "d.ot"]);
     let [bt, ot] = ["b.bt", "d.ot"].map(info);
     assert_eq!(bt, ot);
-    // In a .bt a voxel is occupied from P = 0.5 on.
+    // In a .bt file, a voxel is occupied if P is at least 0.5.
     let occupied = bt["occupied_voxels"].as_u64().unwrap();
     assert!(occupied >= info("out/map.ot")["occupied_voxels"].as_u64().unwrap());
 
-    // For people.
+    // The output for people.
     folder.ok(&["map", "convert", "b.bt", "centers.ply"]);
     let ply = folder.bytes("centers.ply");
     let header = String::from_utf8_lossy(&ply[..100]).into_owned();

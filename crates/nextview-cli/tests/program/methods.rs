@@ -1,11 +1,12 @@
-//! The pages in docs/methods name what exists: a page for every planner; files, tests and options.
+//! The pages in docs/methods are complete and name only what exists: there is a page for every planner, and
+//! the files, tests and options exist.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::fs;
 use std::path::PathBuf;
 
-/// Held equal to what the program prints by a test of its own.
+/// Another test checks that this equals the output of the program.
 const HELP: &str = include_str!("help/nextview-scan.txt");
 
 fn workspace() -> PathBuf {

@@ -1,4 +1,4 @@
-//! Ways between views, and views that a robot reaches.
+//! Trajectories between views, and views that a robot reaches.
 
 use crate::common::{Folder, small, timeless};
 use crate::recording::{SCAN, write_recording};

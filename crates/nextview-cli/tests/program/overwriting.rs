@@ -1,4 +1,4 @@
-//! What a command reads is never written over, and results only if that was asked for.
+//! A command never overwrites its input, and overwrites results only on request.
 
 use crate::common::{Folder, RESULT_FILES};
 use crate::recording::write_recording;
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 const TETRAHEDRON: &str =
     "OFF\n4 4 0\n0 0 0\n0.1 0 0\n0 0.1 0\n0 0 0.1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 
-/// A scan of the object in the folder, of a second.
+/// A scan of the object in the folder, which takes a second.
 const QUICK: [&str; 6] =
     ["--candidates=9", "--views=1", "--baselines=off", "--unit=m", "--voxel-size-m", "0.02"];
 
@@ -18,7 +18,7 @@ fn scan<'a>(before: &[&'a str], after: &[&'a str]) -> Vec<&'a str> {
     [&["scan"], before, &QUICK[..], after].concat()
 }
 
-/// Refuses with this message, at once, and leaves everything as it was.
+/// The scan is refused immediately with this message, and everything stays unchanged.
 fn refused(folder: &Folder, args: &[&str], out: &str, parts: &[&str]) {
     let contents = |folder: &Folder| -> Vec<(String, Vec<u8>)> {
         let names = folder.names(out).into_iter().filter(|name| !name.ends_with('/'));
@@ -35,7 +35,7 @@ fn refused(folder: &Folder, args: &[&str], out: &str, parts: &[&str]) {
     assert!(contents(folder) == before, "{args:?} changed something");
 }
 
-/// As PLY, so that it has the name of a result.
+/// As a PLY file, which may have the name of a result.
 fn ply() -> String {
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
      element face 4\nproperty list uchar int vertex_indices\nend_header\n"
@@ -110,13 +110,13 @@ fn the_same_command_works_again() {
     let told = folder.ok(&[&scan[..], &["--force"]].concat());
     assert!(told.contains("results in scan-mug-most-surface ("), "{told}");
     assert_eq!(folder.names(".").len(), 3);
-    // The next folder of the row holds an interrupted scan: it is to be resumed, not passed over.
+    // The next numbered folder holds an interrupted scan, which must be resumed, not skipped.
     folder.write("scan-mug-most-surface-4/scan.journal", "frames");
     let parts = ["scan-mug-most-surface-4: holds an interrupted scan", "--resume scan-mug-most-surface-4"];
     refused(&folder, &scan, "scan-mug-most-surface-4", &parts);
 }
 
-/// Who follows advice to remove a journal there would destroy a scan under way.
+/// A user who followed advice to remove the journal there would destroy a scan in progress.
 #[test]
 fn a_folder_that_is_being_scanned_is_not_taken() {
     let folder = Folder::new("keep-busy");

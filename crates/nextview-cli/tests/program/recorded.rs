@@ -1,5 +1,5 @@
-//! Scans of recorded frames. Here the recordings are simulated; those of real cameras are tested where they
-//! are read.
+//! Scans of recorded frames. Here the recordings are simulated; those of real cameras are tested in the crate
+//! that reads them.
 
 use crate::common::{Folder, RESULT_FILES, curve, data, timeless};
 use crate::ply::Vertices;
@@ -102,7 +102,7 @@ fn the_truth_measures_the_scan() {
     let steps = folder.text("out/steps.jsonl");
     assert!(steps.contains("\"frame\":\"frame 0\"") && steps.contains("\"accuracy_p95_mm\":"), "{steps}");
 
-    // The same mesh elsewhere, and where that is.
+    // The same mesh in another place, and the transform to that place.
     folder.write("moved.txt", "0 -1 0 0.3\n1 0 0 -0.2\n0 0 1 0.1\n0 0 0 1\n");
     let moved = ["--views=4", "--truth=moved.obj", "--truth-from-world=moved.txt", "--unit=m", "--json"];
     let moved = folder.json(&scan(&moved));

@@ -1,4 +1,4 @@
-//! A synthetic recording: what a simulated camera saw of a mug.
+//! A synthetic recording: frames of a mug by a simulated camera.
 
 use crate::common::Folder;
 use glam::{DVec2, DVec3};
@@ -8,11 +8,11 @@ use nextview_recording::{ReadOptions, Recording};
 use nextview_sim::mesh::TriangleMesh;
 use nextview_sim::{builtin, scene::Scene};
 
-/// A scan of the recording in the folder `rec`; another one may follow it in the folder.
+/// A scan of the recording in the folder `rec`; a test may run another one in the folder afterwards.
 pub const SCAN: [&str; 7] = ["scan", "--frames", "rec", "--voxel-size-m", "0.01", "--force", "--out=out"];
 
-/// Writes so many frames into the folder `rec`, and what they show as `mug.obj` and, in another place,
-/// `moved.obj`.
+/// Writes `n` frames into the folder `rec`, and the object that they show as `mug.obj` and, in another place,
+/// as `moved.obj`.
 pub fn write_recording(folder: &Folder, n: usize) {
     let camera = Intrinsics::pinhole(160, 120, DVec2::splat(150.0), DVec2::new(79.5, 59.5)).unwrap();
     let mesh = builtin::by_name("mug").unwrap();

@@ -7,7 +7,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
 }
 
-/// Whether values lie in 0..=1 and never fall.
+/// Whether values are in 0..=1 and never decrease.
 fn is_coverage(values: &[f64]) -> bool {
     values.iter().all(|v| (0.0..=1.0).contains(v)) && values.is_sorted()
 }
@@ -227,8 +227,8 @@ fn planning_may_know_less_and_begin_coarser() {
     assert!(first["view"].is_null(), "the first view is no candidate");
 }
 
-/// Poses that are off by 2 mm stay near: of each new frame of a foam brick, little was seen before, and its
-/// other sides must not pull it to the known ones, 3 cm away.
+/// Frames with poses that are off by 2 mm stay near them. Little of each new frame of a foam brick was seen
+/// before, and the other sides of the brick must not be aligned to the known ones, 3 cm away.
 #[test]
 fn registration_leaves_frames_near_where_they_nearly_are() {
     let test = "registration_leaves_frames_near_where_they_nearly_are";
@@ -356,7 +356,7 @@ fn a_new_folder_may_lie_in_new_folders_and_keeps_what_is_not_its_own() {
     assert_eq!(folder.names(".").len(), 1 + RESULT_FILES.len());
 }
 
-/// A reader that wants no more than the first lines does not cost the results.
+/// A reader that stops after the first lines must not prevent the results.
 #[cfg(unix)]
 #[test]
 fn a_closed_stdout_is_no_failure() {
@@ -368,7 +368,7 @@ fn a_closed_stdout_is_no_failure() {
     assert_eq!(folder.names("out"), RESULT_FILES);
 }
 
-/// Poses so wrong that the table seems to be a part of the object: the box grows by it.
+/// The poses are so wrong that the table seems to be a part of the object, and the box grows by it.
 #[test]
 fn a_box_that_grows_too_far_ends_no_scan() {
     let folder = Folder::new("grown-too-far");

@@ -1,11 +1,11 @@
-//! Campaigns in shards: the tables are the same, no matter which process does the runs or dies.
+//! Campaigns in shards: the tables are the same, no matter which process executes the runs or is killed.
 
 use crate::common::{Folder, Run};
 use std::fs;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Coarse and with a small camera; 24 runs on three objects.
+/// Coarse voxels and a small camera; 24 runs on three objects.
 const SPEC: &str = r#"
 name = "tiny"
 objects = ["builtin:mug", "builtin:bracket", "builtin:random-7"]
@@ -24,7 +24,7 @@ scan.planner = "random"
 scan.planner = "max-flow"
 "#;
 
-/// What must not depend on who did the runs.
+/// The files that must not depend on which process executed the runs.
 const TABLES: [&str; 5] = ["runs.csv", "runs.parquet", "spec.toml", "steps.csv", "steps.parquet"];
 
 fn new(name: &str) -> Folder {
@@ -60,7 +60,7 @@ fn shards_in_any_order_killed_and_repeated_give_the_tables_of_one_process() {
     let said = shard(&folder, "4/5", "d");
     assert!(said.contains("tiny: 2 objects, 5 runs, in d\n") && said.contains("shard 4/5 in d;"), "{said}");
     assert_eq!(folder.names("d"), ["runs.jsonl", "spec.toml"]);
-    // Killed after its first runs, and begun again.
+    // The shard is killed after its first runs, and resumed.
     let args = ["bench", "tiny.toml", "--shard", "2/5", "--jobs", "1", "--out", "b", "--resume"];
     let mut child = folder.command(&args).stdout(Stdio::null()).spawn().unwrap();
     let start = Instant::now();
@@ -80,7 +80,7 @@ fn shards_in_any_order_killed_and_repeated_give_the_tables_of_one_process() {
     check_tables(&folder, "whole");
     let after: Vec<Vec<u8>> = ["a", "b"].map(|dir| folder.bytes(&format!("{dir}/runs.jsonl"))).into();
     assert!(before == after, "the shards stay as they are");
-    // It is a campaign as any other.
+    // The merged folder is a campaign like any other.
     let said = folder.ok(&["bench", "--resume", "--out", "whole"]);
     assert!(said.contains("24 runs, 24 already done"), "{said}");
     assert!(folder.ok(&["compare", "bench-tiny", "whole"]).contains("identical apart from times"));
@@ -176,7 +176,7 @@ fn a_merge_replaces_nothing_and_leaves_out_torn_lines() {
     let lines = folder.text("shard-3/runs.jsonl");
     folder.write("shard-3/runs.jsonl", &lines[..lines.len() - 9]);
     refused(&folder, &all, "whole", &["1 of 24 runs are missing:\n  object ", "--resume"]);
-    // Whole elsewhere, it is not missing.
+    // If it is complete in another folder, it is not missing.
     folder.write("again/runs.jsonl", &lines);
     folder.write("again/spec.toml", folder.bytes("shard-1/spec.toml"));
     let run = folder.run(&[&["merge", "again"], &all[..], &["--out", "whole"]].concat());
@@ -209,7 +209,7 @@ fn a_shard_is_a_number_of_all() {
     assert_eq!(folder.names("."), ["tiny.toml"]);
 }
 
-/// A limit on the size of files stands for a full disk.
+/// A limit on the size of files simulates a full disk.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_costs_no_run_that_was_kept() {
@@ -279,7 +279,7 @@ fn a_cache_of_truths_changes_no_table_whatever_is_in_it() {
     check_tables(&folder, "cold");
     let names = folder.names("truths");
     assert_eq!(names.len(), 3, "an entry for each object: {names:?}");
-    // Damaged, of another object, and gone.
+    // One entry is damaged, one belongs to another object, and one is missing.
     let entry = |i: usize| format!("truths/{}", names[i]);
     folder.write(&entry(0), &folder.bytes(&entry(0))[..99]);
     folder.write(&entry(1), folder.bytes(&entry(2)));

@@ -1,4 +1,4 @@
-//! Every reader of texts takes files as any editor saves them, or says what is wrong with them.
+//! Every reader of texts accepts files as any editor saves them, or reports what is wrong with them.
 
 use crate::common::Folder;
 use nextview::geometry::Pose;
@@ -12,15 +12,15 @@ use nextview_sim::mesh;
 use std::fmt::{Debug, Display};
 use std::path::Path;
 
-/// A text in a folder, and who reads it.
+/// A text in a folder, and its reader.
 struct Reader {
     file: &'static str,
     text: String,
-    /// What may be in capitals.
+    /// Words that may be in capitals.
     words: &'static [&'static str],
     /// Whether a backslash continues a line.
     continues: bool,
-    /// What is read from the file at this path.
+    /// Reads the file at this path, and returns its content as text.
     read: fn(&Path) -> Result<String, String>,
 }
 
@@ -34,7 +34,7 @@ fn reader(
     Reader { file, text: text.into(), words, continues, read }
 }
 
-/// What came out of a reader, as text.
+/// The result of a reader, as text.
 fn shown<T: Debug>(read: Result<T, impl Display>) -> Result<String, String> {
     read.map(|value| format!("{value:?}")).map_err(|error| error.to_string())
 }
@@ -180,7 +180,7 @@ fn readers(folder: &Folder) -> Vec<Reader> {
     ]
 }
 
-/// A folder with all texts, and what they refer to.
+/// A folder with all texts, and the files to which they refer.
 fn folder() -> Folder {
     let folder = Folder::new("text-files");
     let camera = Intrinsics::d435i();
@@ -193,7 +193,7 @@ fn folder() -> Folder {
         Ok::<_, std::convert::Infallible>(())
     };
     write_folder(&frames, |_| Ok(None), keep).unwrap();
-    // A column that is known, but need not be there.
+    // A known, optional column.
     let poses = folder.text("frames/poses.csv").lines().enumerate().fold(String::new(), |text, (i, line)| {
         let time = if i == 0 { "timestamp_s".to_owned() } else { format!("{i}.5") };
         format!("{text}{time},{line}\n")
@@ -258,7 +258,7 @@ fn every_text_is_read_as_any_editor_saves_it() {
                 faults.push(format!("{file}, {variant}: {found:?}"));
             }
         }
-        // Capitals are read as small letters, or are told.
+        // Capitals are read as small letters, or reported.
         for word in words.iter() {
             assert!(text.contains(word), "{file} has no {word}");
             let found = read_as(text.replace(word, &word.to_uppercase()).as_bytes());

@@ -4,7 +4,7 @@ use crate::common::{Folder, small};
 use nextview_sim::builtin;
 use serde_json::Value;
 
-/// A scan of a bracket on a table: the first placement, and the arguments that make it.
+/// The arguments for a scan of a bracket on a table: the first placement.
 const BRACKET: [&str; 9] = [
     "scan",
     "builtin:bracket",
@@ -32,12 +32,12 @@ fn a_turn_shows_the_underside_and_makes_one_model() {
     let complete = |record: &Value| record["cloud_completeness_2mm"].as_f64().unwrap();
     assert!(complete(&after) > complete(&before) + 0.05, "{} {}", complete(&before), complete(&after));
     assert!(after["cloud_precision_2mm"].as_f64().unwrap() > 0.99);
-    // All frames of both placements are there, and the page asks for a turn where that is wanted.
+    // All frames of both placements exist, and the page requests a turn if one is wanted.
     let n_frames = folder.names("out/frames/depth").len();
     assert_eq!(n_frames as u64, before["views"].as_u64().unwrap() + after["views"].as_u64().unwrap());
     let page = folder.text("out-placement-1/report.html");
     assert!(page.contains("To see more, turn the object") && page.contains("requested placement"));
-    // What a turned object was scanned with can be exported, and scanned again.
+    // The frames of a turned object can be exported, and scanned again.
     folder.ok(&["export", "out", "--to", "pcd", "--out", "pcd"]);
     let again = folder.json(&[
         "scan",
@@ -49,7 +49,7 @@ fn a_turn_shows_the_underside_and_makes_one_model() {
     ]);
     assert_eq!(again["views"].as_u64().unwrap(), n_frames as u64);
 
-    // An object of another shape was not turned into this one.
+    // An object of another shape cannot be this one, turned.
     let mesh = builtin::by_name("teapot").unwrap();
     let vertices = mesh.vertices().iter().map(|v| format!("v {} {} {}\n", v.x, v.y, v.z));
     let faces = mesh.triangles().iter().map(|t| format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1));

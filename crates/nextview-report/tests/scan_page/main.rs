@@ -14,7 +14,7 @@ use std::collections::HashSet;
 use synthetic::{MadeUp, scan};
 use walls::{scene, walls};
 
-/// Writes the page, for a look at it, and prints its path.
+/// Writes the page for inspection, and prints its path.
 fn write(name: &str, page: &str) {
     let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::write(&path, page).expect("the target folder is writable");
@@ -34,7 +34,7 @@ fn a_whole_page() {
 
 #[test]
 fn nothing_is_loaded_from_elsewhere() {
-    // The legend's colours, which stand in the page.
+    // The legend's colours, which are in the page.
     let page = scan(2, 64).page().replace("url(#depths)", "");
     for word in ["http://", "https://", "@import", "url(", "srcset", "<iframe", "fetch(", "XMLHttp"] {
         assert!(!page.contains(word), "the page contains {word}");
@@ -75,7 +75,7 @@ fn a_scan_under_way_is_a_page() {
         if n_views == 3 {
             write("scan-under-way.html", &page);
         }
-        // Nothing is known of the object, and the pictures are not there yet.
+        // The object is unknown, and there are no pictures yet.
         scan.record.steps.iter_mut().for_each(|step| {
             forget_truth(step);
             forget_estimate(step);

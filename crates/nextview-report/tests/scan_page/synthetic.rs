@@ -1,4 +1,4 @@
-//! A scan that never happened: a vase with a ring on it, seen from ten places.
+//! A synthetic scan: a vase with a ring on it, seen from ten places.
 
 use glam::{DMat3, DQuat, DVec2, DVec3, IVec3, Vec3};
 use nextview::geometry::{Pose, sphere::fibonacci_hemisphere};

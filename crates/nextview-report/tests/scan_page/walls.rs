@@ -30,7 +30,7 @@ pub fn walls(n_views: usize) -> (ScanState<'static>, Option<NextView>, Aabb) {
     (run.finish(None), next, bounds)
 }
 
-/// The live scene of that, with the views after number `after`.
+/// The live scene of that scan, with the views after number `after`.
 pub fn scene(n_views: usize, after: usize) -> Value {
     let (scan, next, _) = walls(n_views);
     let text = LiveScene::default().json(&SceneSource::of_scan(&scan, &ScanConfig::default(), next), after);

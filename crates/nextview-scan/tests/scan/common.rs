@@ -1,4 +1,4 @@
-//! A folder to work in, and a ball before a camera of one's own.
+//! A folder to work in, and a ball in front of a user's camera.
 
 use glam::{DVec2, DVec3};
 use nextview::geometry::{Aabb, Pose};

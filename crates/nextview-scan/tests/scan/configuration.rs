@@ -1,4 +1,4 @@
-//! Configurations report everything that is wrong in them at once, and where.
+//! Configurations report all their faults at once, with their places.
 
 use nextview::sensor::Sensor;
 use nextview_scan::{
@@ -275,7 +275,7 @@ fn what_is_wrong_is_named_by_key_and_line_however_it_is_written() {
     }
 }
 
-/// A long value is cut, and of very many faults the first are told.
+/// A long value is truncated, and only the first of very many faults are reported.
 #[test]
 fn messages_stay_short() {
     let found = faults(&format!("object = [{}]\n", "1234567, ".repeat(1000)));
@@ -352,7 +352,7 @@ fn what_is_saved_of_a_sensor_loads_to_the_same() {
     for sensor in Sensor::ALL {
         let mut config = ScanConfig::default();
         config.set_sensor(SensorName(sensor.to_string())).unwrap();
-        // As without a sensor, so that nothing but the file says it.
+        // As without a sensor, so only the file sets these values.
         (config.noise.depth.correlated_share, config.noise.depth.flying_share) = (0.0, 0.0);
         assert_eq!(parse(&toml::to_string(&config).unwrap()), Ok(config), "{sensor}");
     }

@@ -1,4 +1,4 @@
-//! Journals come back to the bit, and damage costs only what follows it.
+//! Journals are read back bit for bit, and damage loses only what follows it.
 
 use crate::common::Folder;
 use glam::{DQuat, DVec2, DVec3};
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 const HEADING: &str = "views = 3\n";
 
-/// An image of surfaces, missing pixels and free ones, from anywhere.
+/// An image of surfaces, missing pixels and free pixels, from an arbitrary pose.
 fn frame(seed: u64) -> Frame {
     let mut random = Random::new(seed, 0);
     let camera = Intrinsics::pinhole(13, 7, DVec2::new(10.3, 9.7), DVec2::new(6.1, 3.2)).unwrap();
@@ -64,7 +64,7 @@ fn assert_same(frame: &Frame, expected: &Frame) {
     assert_eq!(frame.range(), expected.range());
 }
 
-/// A journal of three frames, for views 0, none and 2; and where each entry ends.
+/// A journal of three frames, for view 0, no view and view 2; and where each entry ends.
 fn journal(folder: &Folder) -> (PathBuf, Vec<usize>) {
     let path = folder.path("a.journal");
     let mut journal = Journal::create(&path, HEADING).unwrap();
@@ -77,7 +77,7 @@ fn journal(folder: &Folder) -> (PathBuf, Vec<usize>) {
     (path, ends)
 }
 
-/// The number of frames found, which must be the first ones, as they were.
+/// The number of frames found, which must be the first ones, unchanged.
 fn n_whole(kept: &Kept) -> usize {
     assert_eq!(kept.heading, HEADING);
     for (i, found) in frames(kept).into_iter().enumerate() {
@@ -192,7 +192,7 @@ fn one_process_at_a_time_and_none_is_replaced() {
     assert!(error.contains("is not the journal of a scan"), "{error}");
 }
 
-/// What is written to a file that nobody finds is lost.
+/// A frame written to a file that nobody can find is lost.
 #[cfg(unix)]
 #[test]
 fn no_frame_is_kept_where_it_would_not_be_found() {

@@ -1,4 +1,4 @@
-//! A camera of one's own sees what the simulated one sees, and scans the same.
+//! A user's camera that sees what the simulated one sees scans in the same way.
 
 use crate::common::Folder;
 use glam::{DQuat, DVec3};
@@ -28,7 +28,7 @@ fn config(planner: PlannerName) -> ScanConfig {
     }
 }
 
-/// The same scan by an outsider, who is told where the object and the candidates are.
+/// The same scan by a user's camera, configured with the place of the object and the candidates.
 fn live(config: &ScanConfig, object: &SimulatedObject) -> ScanConfig {
     let bounds = object.scene.planning_box(object.voxel_size);
     let [min, max] = [bounds.min.to_array(), bounds.max.to_array()];
@@ -270,7 +270,8 @@ fn what_cannot_be_is_refused_with_its_reason() {
     assert!(scan.scan().steps.is_empty());
 }
 
-/// A pose on the way around a point between two that look at it, by its share, but for the roll of the last.
+/// The pose at this share of the way around a point, between two poses that look at it; without the roll of
+/// the last.
 fn between(from: &Pose, to: &Pose, share: f64, around: DVec3) -> Pose {
     let [a, b] = [from, to].map(|pose| pose.translation() - around);
     let distance = a.length() + share * (b.length() - a.length());
@@ -279,7 +280,7 @@ fn between(from: &Pose, to: &Pose, share: f64, around: DVec3) -> Pose {
     Pose::new(turn * from.rotation(), around + distance * direction).unwrap()
 }
 
-/// How far a pose puts the object and the camera from where another does, metres.
+/// Distance in metres between the places where two poses put the object and the camera.
 fn apart(object: &SimulatedObject, a: &Pose, b: &Pose) -> f64 {
     let middle = object.scene.center();
     let at_object = (*a * b.inverse()).transform_point(middle).distance(middle);
@@ -317,7 +318,8 @@ fn a_camera_in_a_hand_is_tracked_guided_and_found_again() {
         let wanted = scan.next().unwrap().unwrap().world_from_camera;
         assert!(!scan.guidance(&place).unwrap().unwrap().reached);
         if n_taken == 1 {
-            // Away from the object, and from where the camera was: lost, and nothing has changed.
+            // Away from the object and from the camera's last place: the camera is lost, and nothing has
+            // changed.
             let away = Pose::new(DQuat::from_rotation_x(1.0) * wanted.rotation(), wanted.translation());
             let fault = scan.observe(unposed(image(&away.unwrap()))).unwrap_err();
             assert!(fault.message.starts_with("the camera is lost: "), "{fault:?}");

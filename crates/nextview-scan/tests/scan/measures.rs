@@ -38,7 +38,7 @@ fn record(config: &ScanConfig) -> ScanRecord {
 fn the_definitions_hold_in_a_record() {
     let record = record(&config("builtin:mug"));
     for step in &record.steps {
-        // An exact scan has no false voxel, so that its map has the recall as IoU.
+        // An exact scan has no false voxel, so the IoU of its map equals the recall.
         assert_eq!((step.false_voxels, step.map_precision), (Some(0), Some(1.0)));
         assert_eq!(step.map_iou, step.map_recall);
         let n_occupied = step.voxel_coverage.unwrap() * record.object_voxels.unwrap() as f64;
@@ -108,7 +108,7 @@ fn the_record_has_the_box_and_its_rule() {
     assert_eq!((grown.box_min_m, grown.box_max_m), (last.box_min_m, last.box_max_m));
 }
 
-/// A table that lies where the pose of its frame puts it, in each frame somewhere else.
+/// Each frame's pose puts the table somewhere else.
 #[test]
 fn a_table_that_wrong_poses_lift_is_not_in_the_model() {
     let mut config = config("builtin:mug");
@@ -129,7 +129,7 @@ fn a_table_that_wrong_poses_lift_is_not_in_the_model() {
     assert!(cloud < 9.0 && mesh < 9.0, "95 % of cloud and mesh are within {cloud} and {mesh} mm");
 }
 
-/// A model that is right but for a rigid motion, as registered frames make it where the first pose is wrong.
+/// A model that is right except for a rigid motion, as with registered frames if the first pose is wrong.
 #[test]
 fn a_consistent_model_beside_the_truth_is_aligned_to_it_once() {
     let measured = |first_pose_is_right| {

@@ -1,4 +1,4 @@
-//! Expected errors beside true ones, and goals.
+//! Expected errors compared with true ones, and goals.
 
 use nextview::Cancel;
 use nextview::surface::LooksGoal;
@@ -95,7 +95,7 @@ fn looks_are_worth_views_and_other_planners_refuse_them() {
     println!("{shares:.3?}");
     // Measured: 0.29.
     assert!(shares[..2] == [0.0, 0.0] && *shares.last().unwrap() > 0.28, "{shares:?}");
-    // Both goals are at most as often reached as one of them.
+    // Both goals together are reached at most as often as one of them.
     let both = ScanConfig { goal_mm: Some(0.5), ..wanted.clone() };
     let (record, ..) = scan(&both);
     assert!(record.steps[0].share_at_goal == Some(0.0), "no look is enough");

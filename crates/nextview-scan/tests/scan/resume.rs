@@ -1,11 +1,12 @@
-//! After an interruption the journal answers before any capture is asked for.
+//! After an interruption, the journal replays its frames before any capture is requested.
 
 use crate::common::{Folder, image, image_from, session};
 use nextview_scan::{Interrupted, Journal, Next, ScanJournal, ScanRun, StepRecord};
 use std::thread;
 use std::time::Duration;
 
-/// What is done with the views of a scan, one after the other; the answer says what was captured.
+/// Performs the next steps of a scan, one after the other. Adds the numbers of the captured views to
+/// `captured`.
 fn act(run: &mut ScanRun<'_>, n_steps: usize, captured: &mut Vec<usize>) {
     for _ in 0..n_steps {
         match run.next().unwrap() {
@@ -128,7 +129,7 @@ fn a_folder_that_is_being_scanned_is_said_to_be() {
         assert!(fault.to_string().ends_with("scan: is in use by a running scan, here or in another process"));
         assert!(!fault.remedy.as_ref().unwrap().contains("remove"), "{fault:?}");
     }
-    // Of a scan that was killed before its first frame nothing is left that could be lost.
+    // A scan killed before its first frame leaves nothing that could be lost.
     drop(first);
     std::fs::create_dir(&dir).unwrap();
     drop(Journal::create(&dir.join(ScanJournal::FILE), "killed").unwrap());
@@ -152,7 +153,7 @@ fn of_many_who_begin_a_scan_one_does() {
     }
 }
 
-/// Its journal is removed while somebody waits for it.
+/// The scan's journal is removed while somebody waits for it.
 #[test]
 fn a_scan_that_is_finished_meanwhile_is_not_said_to_be_lost() {
     let folder = Folder::new("resume-finished");
@@ -166,7 +167,7 @@ fn a_scan_that_is_finished_meanwhile_is_not_said_to_be_lost() {
             resumed.join().unwrap()
         });
         let said = faults.iter().next().unwrap().to_string();
-        // Where a thread is late, nothing was removed in between.
+        // If a thread is late, the journal is not removed in between.
         let expected = ["holds no interrupted scan", "is in use by a running scan"];
         assert!(expected.iter().any(|part| said.contains(part)), "{said}");
     }

@@ -1,4 +1,4 @@
-//! An arm that holds the camera: it is where the view is, and what it does is in the results.
+//! An arm that holds the camera: it moves to each view, and its motions are in the results.
 
 use crate::common::Folder;
 use glam::DVec3;
@@ -10,7 +10,7 @@ use nextview_scan::{
     Simulation, TableRule, result_file,
 };
 
-/// A UR5e beside a mug on a table, with the camera 5 cm before its flange.
+/// A UR5e next to a mug on a table, with the camera 5 cm in front of its flange.
 fn config() -> ScanConfig {
     let mut robot = RobotConfig {
         flange_from_camera: Pose::new(glam::DQuat::IDENTITY, DVec3::Z * 0.05).unwrap(),

@@ -1,4 +1,4 @@
-//! Runs are pushed: asked for the next step, given a frame.
+//! Runs are pushed: the caller requests the next step and passes a frame.
 
 use crate::common::{Folder, image, image_from, session};
 use glam::{DQuat, DVec3};

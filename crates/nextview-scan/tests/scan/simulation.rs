@@ -197,7 +197,7 @@ fn all_is_written_but_what_fails() {
     assert!(dir.join("frames/depth/004.png").is_file() && !dir.join("frames/color").exists());
 }
 
-/// The warnings of four frames of a mug on a table, with the noise of a D435i and poses off by so much.
+/// The warnings of four frames of a mug on a table, with the noise of a D435i and poses off by `error_mm`.
 fn warnings(error_mm: f64, mode: RegistrationMode) -> Vec<String> {
     warnings_in(&steps_of(&noisy_mug(error_mm, mode)))
 }
@@ -262,7 +262,7 @@ fn frames_that_cannot_be_aligned_are_used_as_given() {
         let mut config = noisy_mug(5.0, mode);
         config.views = Some(9);
         config.planner = PlannerName::EvenViews.into();
-        // Hardly any alignment is so near.
+        // Hardly any alignment is that near.
         config.registration.position_uncertainty = 0.0005;
         let steps = steps_of(&config);
         let map: Vec<_> = steps.iter().map(|step| (step.view, step.world_from_camera())).collect();
@@ -275,7 +275,7 @@ fn frames_that_cannot_be_aligned_are_used_as_given() {
     assert_eq!((poses, entropy), (given_poses, as_given));
 }
 
-/// One face of the brick lies well on the next.
+/// One face of the brick fits well on the next.
 #[test]
 fn right_poses_around_a_brick_agree_with_the_frames() {
     let Some(meshes) = meshes("right_poses_around_a_brick_agree_with_the_frames") else { return };

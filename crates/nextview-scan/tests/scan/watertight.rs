@@ -10,7 +10,7 @@ use nextview_scan::{
 use nextview_sim::mesh::{Unit, load};
 use std::collections::BTreeSet;
 
-/// Ten noisy views of an object on a table of which nothing is known.
+/// Ten noisy views of an object on a table; the place of both is unknown.
 fn config(object: String, size_m: f64) -> ScanConfig {
     ScanConfig {
         object,
@@ -76,7 +76,7 @@ fn a_scanned_mug_is_closed_if_wanted() {
 #[test]
 fn real_objects_are_closed_and_keep_their_volume() {
     let Some(data) = meshes("real_objects_are_closed_and_keep_their_volume") else { return };
-    // A mug and a part with holes have insides that views do not reach: only closed.
+    // A mug and a part with holes have insides that views do not reach: only check that the mesh is closed.
     for (name, tolerance) in [
         ("lm/lm_obj_000009_duck.ply", Some(0.04)),
         ("other/ikea_mug.ply", None),

@@ -1,4 +1,4 @@
-//! Who may ask.
+//! Who may send requests.
 
 use crate::client::Client;
 use crate::process::{Folder, Server};
@@ -25,7 +25,7 @@ fn pages_of_others_may_ask_for_nothing() {
     assert_eq!(of(&format!("origin: null\r\n{token}")), 403);
     assert_eq!(of("authorization: Bearer 0123456789abcdef\r\n"), 401);
     assert_eq!(of("authorization: Basic YTpi\r\n"), 401);
-    // Browsers that do not say where a request came from, and programs that are none.
+    // Browsers that do not state the origin of a request, and programs that are not browsers.
     assert_eq!(of("referer: http://evil.example/\r\n"), 401);
     assert_eq!(of("user-agent: Mozilla/5.0 (X11; Linux x86_64) Gecko/20100101 Firefox/89.0\r\n"), 401);
     assert_eq!(of("user-agent: AppleCoreMedia/1.0\r\naccept-language: en-us\r\n"), 401);

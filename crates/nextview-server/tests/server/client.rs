@@ -18,7 +18,7 @@ impl Answer {
         serde_json::from_slice(&self.body).unwrap_or_else(|e| panic!("{e}: {self:?}"))
     }
 
-    /// The body, which must have come with this status.
+    /// Returns the body; the answer must have this status.
     pub fn expect(self, status: u16) -> Value {
         assert_eq!(self.status, status, "{} {}", self.head, String::from_utf8_lossy(&self.body));
         self.json()
@@ -54,7 +54,7 @@ impl Client {
         Self { headers: headers.to_owned(), ..self }
     }
 
-    /// What requests name as their host.
+    /// The host that requests name.
     pub fn host(&self) -> SocketAddr {
         self.address
     }

@@ -1,4 +1,4 @@
-//! Clients, servers and programs that are in each other's way.
+//! Clients, servers and programs that interfere with each other.
 
 use crate::client::Client;
 use crate::process::{Folder, Server};
@@ -35,7 +35,7 @@ fn a_folder_has_one_server() {
     assert!(!remnant.exists());
 }
 
-/// Another program scans into the folder, or somebody replaces it.
+/// Another program scans into the server's folder, or somebody replaces the folder.
 #[test]
 fn what_is_not_the_servers_stays_as_it_is() {
     let folder = Folder::new("not-its-own");
@@ -95,7 +95,7 @@ fn a_scan_that_another_process_finished_is_not_begun_again() {
     assert_eq!(fs::read(place.join("steps.jsonl")).unwrap(), steps);
 }
 
-/// Where all connections and all room for bodies are taken by clients that do nothing more.
+/// Idle clients hold all connections and all memory for bodies.
 #[test]
 fn a_request_passes_beside_idle_and_slow_clients() {
     let folder = Folder::new("slow");

@@ -1,4 +1,4 @@
-//! Requests that mean no good, or were never tried.
+//! Malicious requests, and requests that no client sends.
 
 use crate::client::{Answer, Client};
 use crate::process::{Folder, Server, n_from_env};
@@ -12,16 +12,16 @@ use std::net::SocketAddr;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// What hostile requests are made from.
+/// The material for hostile requests.
 struct Material {
     address: SocketAddr,
-    /// A frame that would be right, of a scan that is there.
+    /// A valid frame of an existing scan.
     rows: Value,
     png: Vec<u8>,
     config: Value,
 }
 
-/// What a request comes to: the status of a JSON answer, or that the connection was closed.
+/// The outcome of a request: a JSON answer, or an error if the connection was closed.
 type Outcome = std::io::Result<Answer>;
 
 /// A kind of request, by its name and a function of the material and a random number.
@@ -29,7 +29,7 @@ type Kind = (&'static str, fn(&Material, u64) -> Outcome);
 
 impl Material {
     fn client(&self) -> Client {
-        // Another one may hold all connections just now.
+        // Another request may hold all connections at the moment.
         for _ in 0..100 {
             if let Ok(client) = Client::try_new(self.address) {
                 return client;
@@ -54,7 +54,7 @@ impl Material {
         self.post("/scans", &config)
     }
 
-    /// A frame of parts with one thing changed.
+    /// A multipart frame with one thing changed.
     fn frame(&self, head: Value, depth: &[u8], more: &[(&str, &[u8])]) -> Outcome {
         let head = head.to_string();
         let parts = [&[("frame", head.as_bytes()), ("depth", depth)], more].concat();
@@ -72,7 +72,7 @@ impl Material {
     }
 }
 
-/// A PNG of nothing, whose head claims another size.
+/// A PNG without pixels, whose header claims a size.
 fn claiming(width: u32, height: u32) -> Vec<u8> {
     let mut png = encoded(8, 6, (ColorType::Grayscale, BitDepth::Sixteen), &[0; 96]);
     png[16..20].copy_from_slice(&width.to_be_bytes());
@@ -325,7 +325,7 @@ const KINDS: &[Kind] = &[
     }),
 ];
 
-/// By kind, how often each status came.
+/// For each kind of request, the number of answers with each status.
 type Table = BTreeMap<&'static str, BTreeMap<String, usize>>;
 
 /// `NEXTVIEW_HOSTILE` is the number of requests (600 if it is not set).
@@ -354,7 +354,7 @@ fn every_hostile_request_is_told_its_cause() {
         }
     });
     assert!(server.is_running(), "the server has ended");
-    // Nothing has changed, and nothing is kept waiting.
+    // Nothing has changed, and nothing is blocked.
     let client = &mut server.client();
     assert_eq!(client.get("/scans/mug/next").expect(200), before);
     assert_eq!(client.get("/scans/mug").expect(200)["n_frames"], 1);
@@ -368,7 +368,7 @@ fn every_hostile_request_is_told_its_cause() {
     }
 }
 
-/// Kinds in which the other side speaks no HTTP that an answer could be given to.
+/// Kinds of requests that are not valid HTTP, so they need no answer.
 const NO_ANSWER: [&str; 3] = ["slow head", "body that ends early", "no HTTP"];
 
 fn try_kind(material: &Material, i: usize, table: &Mutex<Table>) {
@@ -393,12 +393,12 @@ fn is_closed(error: &Error) -> bool {
 
 /// The status of an answer, which must be a refusal with a cause.
 fn checked(kind: &str, answer: &Answer) -> String {
-    // More pixels than the size needs are left out: that is an image, and no harm.
+    // More pixels than the size needs are ignored: the image is valid, and this does no harm.
     if answer.status == 200 && kind == "bomb that claims the right size" {
         return "200".to_owned();
     }
     assert!((400..600).contains(&answer.status) && answer.status != 500, "{kind}: {answer:?}");
-    // What is no HTTP is refused before anybody has seen it.
+    // A request that is not HTTP is refused before it reaches the server's code.
     if answer.body.is_empty() {
         return format!("{} bare", answer.status);
     }

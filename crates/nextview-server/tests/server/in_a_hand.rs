@@ -1,4 +1,4 @@
-//! A camera that does not know where it is.
+//! A camera that does not know its pose.
 
 use crate::process::{Folder, Server};
 use crate::robot::{Robot, png};
@@ -14,7 +14,7 @@ fn a_camera_in_a_hand_is_located_and_guided() {
         client.send("POST", path, "image/png", image).unwrap()
     };
 
-    // A client that does not state that poses are tracked is told how.
+    // A client that does not state that poses are tracked is told how to state it.
     client.post("/scans", &body).expect(201);
     let first = client.get("/scans/mug/next").expect(200)["view"]["world_from_camera"].clone();
     let image = png(robot.frame(&first, true).image());
@@ -48,7 +48,7 @@ fn a_camera_in_a_hand_is_located_and_guided() {
     assert!((guided["guidance"]["distance_m"].as_f64().unwrap() - there.sqrt()).abs() < 1e-9);
     assert_eq!(guided["guidance"]["reached"], false);
 
-    // An image of nothing is nowhere.
+    // An image that shows nothing cannot be located.
     let nothing = png(&nextview::sensor::DepthImage::from_metres(160, 120, vec![3.0; 160 * 120]).unwrap());
     let lost = post(&mut client, "/scans/mug/locate", &nothing);
     assert_eq!(lost.status, 409);

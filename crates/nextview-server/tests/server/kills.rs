@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 const N_VIEWS: usize = 8;
 const N_SCANS: usize = 3;
 
-/// A step of the scan that was never disturbed.
+/// A step of the uninterrupted scan.
 struct Step {
     view: Value,
     id: String,
@@ -22,7 +22,7 @@ struct Step {
     body: Vec<u8>,
 }
 
-/// What the scan comes to if nobody disturbs it.
+/// The steps of the scan without interruptions.
 fn undisturbed(robot: &Robot) -> Vec<Step> {
     let mut scan = LiveScan::begin(robot.live(), None, Cancel::default()).unwrap();
     let mut steps = Vec::new();
@@ -37,9 +37,9 @@ fn undisturbed(robot: &Robot) -> Vec<Step> {
     steps
 }
 
-/// Creates the scan, if it is not there: number of its frames.
+/// Creates the scan if it does not exist; returns the number of its frames.
 fn scan_on(client: &mut Client, id: &str, steps: &[Step], body: &Value) -> std::io::Result<usize> {
-    // A frame that was acknowledged is there; one that was not may be.
+    // An acknowledged frame exists; one that was not acknowledged may exist.
     let text = body.to_string();
     let created = client.send("POST", "/scans", "application/json", text.as_bytes())?;
     assert!([201, 409].contains(&created.status), "{created:?}");
@@ -49,7 +49,7 @@ fn scan_on(client: &mut Client, id: &str, steps: &[Step], body: &Value) -> std::
     Ok(n)
 }
 
-/// Kills the server again and again, at any time. `NEXTVIEW_KILLS` is how often (5 if it is not set).
+/// Kills the server again and again, at any time. `NEXTVIEW_KILLS` is the number of kills (5 by default).
 #[test]
 fn whenever_it_is_killed_no_acknowledged_frame_is_lost() {
     let n_kills = n_from_env("NEXTVIEW_KILLS", 5);
@@ -94,7 +94,7 @@ fn whenever_it_is_killed_no_acknowledged_frame_is_lost() {
         start.elapsed().as_secs_f64(),
         n_acknowledged.load(Relaxed)
     );
-    // And undisturbed to the end.
+    // And without interruption to the end.
     let server = Server::start(&dir);
     for i in 0..N_SCANS {
         let id = format!("scan-{i}-{}", round.lock().unwrap()[i]);
@@ -109,7 +109,7 @@ fn whenever_it_is_killed_no_acknowledged_frame_is_lost() {
     }
 }
 
-/// A robot may be on its way while the server is killed, and needs not ask again.
+/// A robot may be on its way while the server is killed, and need not ask again.
 #[test]
 fn a_frame_is_of_the_view_that_was_asked_for_before_a_kill() {
     let robot = Robot::new(3, 80);
@@ -132,8 +132,8 @@ fn a_frame_is_of_the_view_that_was_asked_for_before_a_kill() {
     assert_eq!(server.client().get("/scans/mug/next").expect(200)["stop_reason"], "view-limit");
 }
 
-/// One client of one scan after the other, until the server is gone: number of frames that were there
-/// already, and of scans that were completed.
+/// One client that runs one scan after the other until the server is gone; returns the numbers of frames that
+/// existed already and of completed scans.
 fn drive(
     address: std::net::SocketAddr,
     (i, robot, steps): (usize, &Robot, &[Step]),
@@ -152,14 +152,14 @@ fn drive(
             let n = scan_on(&mut client, &id, steps, &robot.body(&id))?;
             let known = acknowledged.lock().unwrap()[i];
             if known == steps.len() && n == 0 {
-                // It was being deleted, and so it was created anew.
+                // The scan was being deleted, so it was created again.
                 client.send("DELETE", &format!("/scans/{id}"), "", b"")?.expect(200);
                 next_round(i);
                 continue;
             }
             assert!(n == known || n == known + 1, "{id}: {n} frames, {known} acknowledged");
             if n > 0 {
-                // The last one again, as a client does that does not know.
+                // Posts the last frame again, like a client that does not know whether it arrived.
                 let step = &steps[n - 1];
                 let path = step.path.replace("SCAN", &id);
                 let answer = client.send("POST", &path, "application/octet-stream", &step.body)?.expect(200);

@@ -1,4 +1,4 @@
-//! The server, driven as clients drive it: in a process of its own, over HTTP.
+//! The server, driven as by clients: in a separate process, over HTTP.
 
 // `cfg(test)` lets Clippy know that the `unwrap`s of helpers, too, are those of a test.
 #[cfg(test)]

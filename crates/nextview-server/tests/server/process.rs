@@ -1,4 +1,4 @@
-//! A server in a process of its own: this program again, with another task.
+//! A server in a separate process: this program again, with another task.
 
 use crate::client::Client;
 use nextview_server::{Limits, ServerConfig, serve};
@@ -15,7 +15,7 @@ const TIGHT: &str = "NEXTVIEW_TEST_SERVER_TIGHT";
 const FULL: &str = "NEXTVIEW_TEST_SERVER_FULL";
 const TOKEN: &str = "NEXTVIEW_TEST_SERVER_TOKEN";
 
-/// Not a test: what a process of [`Server`] does.
+/// Not a test: the task of a process of [`Server`].
 #[test]
 fn is_a_server() {
     let Some(dir) = std::env::var_os(DIR) else { return };
@@ -50,7 +50,7 @@ fn is_a_server() {
 pub struct Server {
     child: Child,
     pub address: SocketAddr,
-    /// Of the page.
+    /// Token of the page.
     pub token: String,
 }
 
@@ -59,17 +59,17 @@ impl Server {
         Self::with(dir, &[])
     }
 
-    /// One with low limits.
+    /// Starts a server with low limits.
     pub fn tight(dir: &Path) -> Self {
         Self::with(dir, &[(TIGHT, "1")])
     }
 
-    /// One that takes its `disk` or its `memory` for full.
+    /// Starts a server that considers its `disk` or its `memory` full.
     pub fn full(dir: &Path, what: &str) -> Self {
         Self::with(dir, &[(FULL, what)])
     }
 
-    /// One that asks every client for this token.
+    /// Starts a server that requires this token from every client.
     pub fn with_token(dir: &Path, token: &str) -> Self {
         Self::with(dir, &[(TOKEN, token)])
     }
@@ -78,7 +78,7 @@ impl Server {
         Self::spawned(dir, environment).unwrap_or_else(|said| panic!("the server does not start: {said}"))
     }
 
-    /// One that cannot start: what it says.
+    /// Starts a server that must fail to start; returns its message.
     pub fn refused(dir: &Path) -> String {
         Self::spawned(dir, &[]).map(drop).unwrap_err()
     }
@@ -106,7 +106,7 @@ impl Server {
                 return Err(why);
             }
         };
-        // It has nothing more to say; a pipe that is closed would be an error to it.
+        // Nothing more is needed from its output, but a closed pipe would be an error for the server.
         std::thread::spawn(move || lines.for_each(drop));
         Ok(Self { child, address, token })
     }
@@ -121,7 +121,7 @@ impl Server {
         self.child.wait().unwrap();
     }
 
-    /// As Ctrl-C; whether it ended well.
+    /// Ends the server as Ctrl-C does; returns whether it succeeded.
     #[cfg(unix)]
     pub fn end(mut self) -> bool {
         let id = self.child.id().to_string();
@@ -129,7 +129,7 @@ impl Server {
         self.child.wait().unwrap().success()
     }
 
-    /// The most memory that it ever held, MB.
+    /// Peak memory of the server in MB.
     pub fn peak_mb(&self) -> Option<f64> {
         let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

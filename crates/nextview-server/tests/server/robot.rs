@@ -1,4 +1,4 @@
-//! A simulated robot: it goes where it is told, and its camera is noisy.
+//! A simulated robot: it moves to the requested pose, and its camera is noisy.
 
 use crate::client::{Answer, Client};
 use nextview::geometry::Pose;
@@ -17,7 +17,7 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// One that scans a mug in this many views with a camera of this many columns.
+    /// A robot that scans a mug in this number of views with a camera of this number of columns.
     pub fn new(n_views: usize, width: u32) -> Self {
         Self::with_noise(n_views, width, NoiseModel::D435i)
     }
@@ -65,7 +65,7 @@ impl Robot {
         (&self.config, Simulation::new(&self.object, &self.config, None))
     }
 
-    /// The same scan for somebody who has a camera and knows where the object and the candidates are.
+    /// The same scan with a user's camera, if the place of the object and the candidates are known.
     pub fn live(&self) -> ScanConfig {
         let bounds = self.object.scene.planning_box(self.object.voxel_size);
         let [min, max] = [bounds.min.to_array(), bounds.max.to_array()];
@@ -102,7 +102,7 @@ pub fn pose(rows: &Value) -> Pose {
     pose_of_rows("world_from_camera", &rows).unwrap()
 }
 
-/// Path and body of a frame as 32-bit numbers: to the bit.
+/// Path and body of a frame as 32-bit numbers, bit for bit.
 pub fn raw(scan: &str, id: &str, rows: &Value, image: &DepthImage) -> (String, Vec<u8>) {
     let numbers: Vec<String> = rows
         .as_array()
@@ -148,7 +148,7 @@ pub fn encoded(width: u32, height: u32, kind: (png::ColorType, png::BitDepth), b
     out
 }
 
-/// A body of parts, with its content type.
+/// A multipart body, with its content type.
 pub fn multipart(parts: &[(&str, &[u8])]) -> (String, Vec<u8>) {
     let mut body = Vec::new();
     for (name, bytes) in parts {

@@ -11,12 +11,12 @@ use std::time::{Duration, Instant};
 
 const N_VIEWS: usize = 12;
 
-/// What a scan came to.
+/// The outcome of a scan.
 #[derive(Default)]
 struct Outcome {
     views: Vec<Value>,
     map: Vec<u8>,
-    /// From a frame that was taken to the next view that is known.
+    /// Times from taking a frame until the next view is known.
     latencies: Vec<Duration>,
 }
 
@@ -68,7 +68,7 @@ fn row(name: &str, mut latencies: Vec<Duration>) {
     println!("{name:<24} median {:7.1} ms   95 % {:7.1} ms   n {}", at(0.5), at(0.95), latencies.len());
 }
 
-/// `NEXTVIEW_SERVED` is the width of the images (320 if it is not set); with 640, up to 16 scans at once.
+/// `NEXTVIEW_SERVED` is the width of the images (320 by default); with 640, up to 16 scans run at once.
 #[test]
 fn views_and_map_are_the_same() {
     let width = n_from_env("NEXTVIEW_SERVED", 320);
@@ -97,8 +97,8 @@ fn views_and_map_are_the_same() {
     assert_eq!(expected.views.len(), N_VIEWS);
 }
 
-/// A page that shows the scan as it happens does not hold it up; `NEXTVIEW_SERVED` is the width of the
-/// images, `NEXTVIEW_WATCHED` the number of frames.
+/// A page that shows the scan live does not slow it down; `NEXTVIEW_SERVED` is the width of the images,
+/// `NEXTVIEW_WATCHED` the number of frames.
 #[test]
 fn a_page_changes_nothing() {
     let n_views = n_from_env("NEXTVIEW_WATCHED", N_VIEWS);

@@ -1,4 +1,4 @@
-//! What a client does in the course of a scan.
+//! The requests of a client in the course of a scan.
 
 use crate::process::{Folder, Server};
 use crate::robot::{Robot, encoded, multipart, png, post_raw};
@@ -9,7 +9,7 @@ fn next(client: &mut crate::client::Client) -> Value {
     client.get("/scans/mug/next").expect(200)
 }
 
-/// A scan whose file is damaged does not keep the others from going on, and stays as it is.
+/// A scan whose file is damaged does not prevent the others from continuing, and stays unchanged.
 #[test]
 fn a_scan_that_cannot_be_read_is_left_out() {
     let folder = Folder::new("damaged");
@@ -60,7 +60,7 @@ fn what_a_resumed_scan_has_lost_is_in_its_answer() {
     assert!(damage.contains("scan.journal.damaged-1") && answer["n_frames"] == 0, "{damage}");
 }
 
-/// Without room, nothing new is taken, and what there is goes on as soon as there is room again.
+/// Without room, no scans and frames are accepted; existing scans continue once there is room again.
 #[test]
 fn a_server_without_room_takes_neither_scans_nor_frames() {
     let folder = Folder::new("full");
@@ -108,7 +108,7 @@ fn a_scan_from_its_creation_to_its_files() {
 
     while !events.line().unwrap().is_empty() {}
 
-    // A proposed view is accepted, another one is not; one that is skipped never comes again.
+    // A proposed view can be accepted, another view cannot; a skipped view is never proposed again.
     let proposed = next(&mut client);
     assert_eq!(proposed["state"], "proposed");
     let view = proposed["view"]["view"].clone();
@@ -120,7 +120,7 @@ fn a_scan_from_its_creation_to_its_files() {
     let given = next(&mut client);
     assert_eq!((&given["state"], &given["view"]), (&json!("view"), &other["view"]));
 
-    // While it is paused, no view is given out.
+    // While the scan is paused, no view is returned.
     client.post("/scans/mug/pause", &json!({})).expect(200);
     assert_eq!(next(&mut client)["state"], "paused");
     assert_eq!(client.post("/scans/mug/continue", &json!({})).expect(200)["state"], "running");
@@ -154,7 +154,7 @@ fn a_scan_from_its_creation_to_its_files() {
     assert_eq!(client.send("POST", &path, "image/png", &depth).unwrap().expect(200)["step"], 3);
     assert_eq!(next(&mut client), json!({ "state": "finished", "view": null, "stop_reason": "view-limit" }));
 
-    // What there is while it is under way, and after.
+    // The files that exist during the scan, and afterwards.
     assert_eq!(client.get("/scans/mug/frames/2/color.png").status, 200);
     assert_eq!(client.get("/scans/mug/frames/1/color.png").status, 404);
     assert!(client.get("/scans/mug/frames/1/depth.png").body.starts_with(b"\x89PNG"));
@@ -174,7 +174,7 @@ fn a_scan_from_its_creation_to_its_files() {
     assert_eq!(client.get("/scans").expect(200)[0]["state"], "finished");
     assert_eq!(post_raw(&mut client, "mug", "d", &rows, frame.image()).status, 409);
 
-    // All of that was told as it happened.
+    // All of that was reported in events as it happened.
     let mut told = Vec::new();
     while told.last().is_none_or(|last| last != "finished") {
         told.extend(events.line().unwrap().strip_prefix("event: ").map(str::to_owned));
@@ -182,7 +182,7 @@ fn a_scan_from_its_creation_to_its_files() {
     let expected = "view skipped view accepted paused continued frame view frame view frame finished";
     assert_eq!(told.join(" "), expected);
 
-    // And it is there after the end of the server, until it is deleted; what the page shows, too.
+    // The scan still exists after the server has ended, until it is deleted; so does the content of the page.
     let shown = |client: &mut crate::client::Client| {
         let paths = ["scene", "scene?after=2", "frames/3/depth.png", "frames/2/color.png"];
         paths.map(|path| {
@@ -249,7 +249,7 @@ fn a_batch_of_views_is_planned_ahead() {
     }
     assert_eq!(next(&mut client), alone);
 
-    // All are taken, in one go; then the scan goes on from there.
+    // All are taken on one trip; the scan then continues from there.
     for (i, view) in all[1..].iter().enumerate() {
         let rows = &view["world_from_camera"];
         let step = post_raw(&mut client, "mug", &i.to_string(), rows, robot.frame(rows, false).image());
@@ -326,7 +326,7 @@ fn a_scan_goes_on_after_its_object_was_turned() {
 
     let turned = robot.turned(dir.join("mug"));
     let poses = turned.body("turned")["live"].clone();
-    // The server closes connections on which nothing comes, and turning took a while.
+    // The server closes idle connections, and turning took a while.
     let mut client = server.client();
     let body = json!({ "after": "mug", "id": "turned", "live": poses });
     client.post("/scans", &body).expect(201);
@@ -335,7 +335,8 @@ fn a_scan_goes_on_after_its_object_was_turned() {
         refused["faults"][0]["remedy"], "finish or delete `turned` first",
         "it reads the frames of mug"
     );
-    // The folder of all scans is moved, and served from another place: both are there, and need each other.
+    // The folder of all scans is moved and served from another place: both scans still exist, and one still
+    // needs the other.
     let rows = client.get("/scans/turned/next").expect(200)["view"]["world_from_camera"].clone();
     post_raw(&mut client, "turned", "0", &rows, turned.frame(&rows, true).image()).expect(200);
     assert!(server.end());
@@ -348,7 +349,7 @@ fn a_scan_goes_on_after_its_object_was_turned() {
     let now = scan_through(&mut client, &turned, "turned");
     let turn = &now["turn"];
     assert!(turn["refusal"].is_null() && turn["overlap"].as_f64().unwrap() > 0.3, "{turn}");
-    // The configuration is that of before where none was given.
+    // Missing keys come from the configuration of the earlier scan.
     let config = fs::read_to_string(moved.join("turned/config.toml")).unwrap();
     assert!(config.contains("voxel_size_m = 0.006") && config.contains("after = \"../mug\""), "{config}");
     client.delete("/scans/mug").expect(200);

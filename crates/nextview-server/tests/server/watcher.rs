@@ -1,4 +1,4 @@
-//! An open page, as the server sees it: it listens to events and asks for the scene and the view at each.
+//! An open page, as the server sees it: it listens to events, and requests the scene and the view at each.
 
 use crate::client::Client;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -16,7 +16,8 @@ pub struct Watcher {
 }
 
 impl Watcher {
-    /// Shows the scan until it is over. As in a browser, events while a scene is loading ask for one more.
+    /// Shows the scan until it is over. As in a browser, events while a scene is loading cause one more
+    /// request.
     pub fn watch(&self, id: &str, mut events: Client, mut client: Client) {
         std::thread::scope(|scope| {
             scope.spawn(move || self.listen(id, &mut events));
