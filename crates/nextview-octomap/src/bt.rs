@@ -13,7 +13,7 @@ const FREE: u16 = 1;
 const OCCUPIED: u16 = 2;
 const INNER: u16 = 3;
 
-/// The word of eight equal children is this times their bits.
+/// Times the two bits of a child, this is the word of a node with eight such children.
 const EIGHT: u16 = 0x5555;
 
 impl Octree {

@@ -66,7 +66,7 @@ pub struct SensorNoise {
     /// cameras are wavy rather than rough. Default 0.
     pub correlated_share: f64,
     /// Distance at which the correlation of the common part has fallen to 1/e, pixels of the depth image; at
-    /// a distance r it is exp(-(r / this)^2). 1..=100. Default 7.
+    /// a distance r it is exp(-(r / d)^2), where d is this distance. 1..=100. Default 7.
     #[serde(rename = "correlation_px")]
     pub correlation: f64,
     /// Probability that a pixel next to a depth jump is a flying pixel, with a depth between both sides,
@@ -235,7 +235,7 @@ impl SensorNoise {
         if told > 0.0 { rounded(told, self.depth_unit) as f32 } else { f32::NAN }
     }
 
-    /// The depth from the disparity, with an error of this many sigmas; not positive if no disparity remains.
+    /// The depth, metres, from a disparity with an error of this many sigmas; NaN if no disparity remains.
     fn triangulated(&self, depth: f64, sigmas: f64) -> f64 {
         if self.baseline == 0.0 {
             return depth;

@@ -8,8 +8,9 @@ use std::fmt;
 /// Maximum number of frames that are compared, the oldest.
 const FRAMES: usize = 8;
 
-/// A reading is suspected if the frames fit at least this well under it, better than as given by this factor,
-/// and better than under all others by this lead. With one frame in a box, several often fit equally well.
+/// A reading is suspected if the frames fit at least this well under it, this many times better than as
+/// given, and by this lead better than under any other. With one frame in a box, several often fit equally
+/// well.
 const LEAST_FIT: f64 = 0.08;
 const TIMES_BETTER: f64 = 3.0;
 const LEAST_LEAD: f64 = 0.005;

@@ -48,7 +48,7 @@ mod tests {
     use crate::surface::LooksGoal;
     use glam::DVec3;
 
-    /// The slow twin: of these voxels of the plate, which every camera in front of it shows.
+    /// The slow twin: the gain of these voxels of the plate, all of which every camera in front of it shows.
     fn by_definition(goal: LooksGoal, taken: &[f64], view: f64, centers: &[DVec3]) -> usize {
         let direction = |degrees: f64, center: DVec3| beside(degrees).translation() - center;
         let gains = |center: &&DVec3| {

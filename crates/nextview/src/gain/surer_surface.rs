@@ -159,7 +159,7 @@ mod tests {
         SurerSurface::new(snapshot, &camera, range, &frames, error, TOLERANCE, &never).unwrap()
     }
 
-    /// The slow twin: of these voxels of the plate, which every camera in front of it shows.
+    /// The slow twin: the gain of these voxels of the plate, all of which every camera in front of it shows.
     fn by_definition(taken: &[f64], view: f64, centers: &[DVec3]) -> f64 {
         let focal = Intrinsics::d435i().focal().x;
         // By Simpson's rule over the normal distribution.

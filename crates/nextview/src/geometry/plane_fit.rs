@@ -25,7 +25,8 @@ const N_DRAWS: usize = 20_000;
 /// found almost certainly.
 const N_DRAWS_NEAR: usize = 300;
 /// Tilt, degrees, at which a plane's points count half: a plane through an object's top or side may hold more
-/// points than a table seen at a grazing angle, but the world's z axis is hardly ever tilted against a table.
+/// points than a table seen at a grazing angle, but the world's z axis is hardly ever tilted relative to a
+/// table.
 const HALF_WEIGHT_TILT: f64 = 5.0;
 /// Standard deviation of a table's distance from its configured height, as a share of the largest possible
 /// one: pose errors hardly ever reach their limit.
@@ -66,7 +67,7 @@ pub(crate) fn fit_ground_unless(
 }
 
 /// As [`fit_ground`], for the points within `distance` metres of a rough estimate of the plane; `None` if the
-/// result is tilted against the estimate by more than 3 degrees. Tilts are relative to the estimate.
+/// result is tilted by more than 3 degrees. Tilts are relative to the estimate.
 pub fn fit_ground_near(rough: Plane, distance: f64, points: &[DVec3], viewpoint: DVec3) -> Option<PlaneFit> {
     fit_near(rough, distance, points, viewpoint, None)
 }

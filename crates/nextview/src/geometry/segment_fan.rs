@@ -24,8 +24,9 @@ pub(crate) struct SegmentFan {
 }
 
 impl SegmentFan {
-    /// Sets to 1 the cells of all voxels that the segments cross before the voxel of their end, given in
-    /// units of voxels. There must be one more cell than voxels in the block; its value is meaningless.
+    /// Sets to 1 the cell of every voxel that a segment crosses before the voxel in which it ends. The ends
+    /// are in units of voxels. There must be one more cell than voxels in the block; the value of the extra
+    /// one is meaningless.
     pub fn mark_crossed(&self, ends: &[DVec3], cells: &[AtomicU8]) {
         assert_eq!(cells.len(), self.cells.n_voxels() + 1);
         instructions().dispatch(FanCrossing { fan: self, ends, cells });
@@ -51,8 +52,8 @@ impl WithSimd for FanCrossing<'_> {
     }
 }
 
-/// Segments under way; the names are those of `SegmentWalk`. The code below has no closures: if not inlined,
-/// they are compiled without vector instructions, and each of those becomes a call.
+/// Segments under way; the names are those of `SegmentWalk`. The code below has no closures: a closure that
+/// is not inlined is compiled without vector instructions, so that each operation becomes a call.
 struct Walk<S: Simd> {
     axes: [FanAxis<S>; 3],
     /// The cell of the current voxel, and that of the end or a nonexistent one, as an [index](cell).

@@ -45,7 +45,7 @@ struct WalkAxis {
     /// Steps made so far, and in total, up to the segment's end or the last voxel of the block.
     n: f64,
     n_end: f64,
-    /// Whether only the axis is done after them, rather than the walk at the next crossing.
+    /// Whether only this axis is done after all its steps, rather than the whole walk at the next crossing.
     then_done: bool,
 }
 

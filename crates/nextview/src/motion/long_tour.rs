@@ -154,7 +154,7 @@ impl<'a> TourSearch<'a> {
     }
 
     /// Whether a leg between two positions can be shorter than one of the first position's present legs.
-    /// Otherwise no move that adds it gains, or it gains from the second position.
+    /// Otherwise, a move that adds this leg gains nothing, or is also found from the second position.
     fn may_gain(&self, position: usize, other: usize) -> bool {
         let at = self.index[position];
         let longest = self.leg(at as isize - 1, at).max(self.leg(at as isize, at + 1));

@@ -32,7 +32,7 @@ pub enum Table {
 /// Height above a table up to which points belong to it, metres: the paper's value (section V.C).
 pub const ON_TABLE: f64 = 0.002;
 
-/// A table's measured points may lie this many times their own deviation above it, if that is more.
+/// As [`ON_TABLE`], in standard deviations of the table's measured points; the larger of the two counts.
 const DEVIATIONS: f64 = 3.0;
 
 /// As [`DEVIATIONS`], but for connections to the object: hardly any point of the table may bridge to the
@@ -77,8 +77,8 @@ pub(crate) struct ShownTable {
     /// Points up to one of these planes belong to the table: its known top, and the one measured in the
     /// frame.
     tops: [Plane; 2],
-    /// Points also belong to the table up to this times their squared distance from the camera above one of
-    /// the planes, less [`ON_TABLE`]; per metre.
+    /// Noise of the table's points per squared distance from the camera, 1/m. A point also belongs to the
+    /// table if its height above one of the planes is at most this noise minus [`ON_TABLE`].
     per_distance_sq: f64,
 }
 

@@ -100,7 +100,8 @@ fn lowest_near(start: DVec3, height: impl Fn(DVec3) -> f64) -> DVec3 {
 }
 
 /// The nearest pose, if one is near, in which the object lies on three points with its centre of mass above
-/// them. A search downhill ends before it, or half way between two, where it goes over an edge.
+/// them. A search downhill ends short of this pose or, where the object tips over an edge, between two such
+/// poses.
 fn on_three(near: DVec3, points: &[DVec3], height: impl Fn(DVec3) -> f64) -> Option<Rest> {
     let mut lowest = points.to_vec();
     lowest.sort_by(|a, b| b.dot(near).total_cmp(&a.dot(near)));
@@ -188,7 +189,7 @@ mod tests {
                 let directions = (0..N_DIRECTIONS).map(|i| sphere::fibonacci(i, N_DIRECTIONS));
                 let mut near = directions.filter(|down| down.dot(*face) >= TIP.cos());
                 let tips_over = near.any(|down| height(down) < height(*face));
-                // Of two faces nearer to each other than that, the lower one is found.
+                // If two faces are nearer to each other than that, the lower one is found.
                 let is_found = found.iter().any(|rest| rest.down.dot(*face) > TIP.cos());
                 assert!(is_found || tips_over, "{face} of {found:?}");
             }

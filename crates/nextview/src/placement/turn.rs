@@ -28,7 +28,7 @@ const REACH: (f64, f64) = (0.1, 1.5);
 /// Number of poses compared by all points.
 const N_BEST: usize = 12;
 
-/// Maximum number of points that hold an object on a table: few against those that lie on its surface.
+/// Maximum number of points that hold an object on a table: few compared to those that lie on its surface.
 const N_CONTACTS: usize = 20;
 
 /// Maximum distance of a point on the other surface from its tangent plane, in voxels.
@@ -46,7 +46,7 @@ const MOST_RULED_OUT: f64 = 0.03;
 /// Minimum share of the points with a partner that lie on the other surface.
 const LEAST_FITTING: f64 = 0.9;
 
-/// Weight of a point that is ruled out, in points that lie on the other surface.
+/// Weight of a point that is ruled out, relative to one that lies on the other surface.
 const RULED_OUT: f64 = 5.0;
 
 /// Minimum score of a rival pose, relative to the best.
@@ -199,7 +199,7 @@ impl TurnSearch<'_> {
     }
 
     /// Pairs that hold the object on both tables: walls alone would let it slide up and down. The points of
-    /// each placement that are lowest on the other's table touch it.
+    /// each placement that are lowest above the table of the other are pulled onto that table.
     fn contacts(&self, before_from_now: &Pose, points: &[SurfacePoint]) -> Vec<Pair> {
         let (of_before, of_now) = (self.before.table(), self.now.table());
         let moved = |point: &SurfacePoint| before_from_now.transform_point(point.position);

@@ -84,7 +84,7 @@ struct ViewTree<'a> {
     unit: f64,
     /// The views that are not in the tree, in increasing order, with their gains.
     open: Vec<(usize, f64)>,
-    /// In an order in which every node comes after its parent.
+    /// Every node comes after its parent.
     nodes: Vec<ViewNode>,
 }
 
@@ -93,9 +93,9 @@ struct ViewNode {
     position: DVec3,
     /// `None` for the root.
     parent: Option<usize>,
-    /// From the root, in units of the tree.
+    /// Length of the path from the root, in units of the tree.
     path_length: f64,
-    /// Of the branch that ends here.
+    /// Gain of the branch that ends here.
     gain: f64,
 }
 

@@ -379,8 +379,8 @@ impl Outlook {
         self.n_expected.first().copied().unwrap_or(0.0)
     }
 
-    /// The largest expected gain of one of the next views, as a share of the surface seen. A later view
-    /// counts too, as the chosen one may merely be near. Infinite if nothing was seen.
+    /// The largest expected gain of one of the next views, as a share of the surface seen. Later views count
+    /// too, since the chosen one may have been chosen only because it is near. Infinite if nothing was seen.
     pub fn gain(&self) -> f64 {
         let later = self.n_expected.windows(2).map(|two| two[1] - two[0]);
         let largest = later.fold(self.n_expected_next(), f64::max);
@@ -404,8 +404,8 @@ pub struct Itinerary {
 pub struct Leg {
     /// The view and why it was chosen.
     pub choice: Choice,
-    /// Expected number of newly occupied voxels after the views before it, positive. Up to a factor that is
-    /// about the same for all legs and plans.
+    /// Expected number of newly occupied voxels after the views before it, positive. A factor that is about
+    /// the same for all legs and plans does not matter.
     pub expected: f64,
 }
 

@@ -9,8 +9,8 @@ const CHUNK: usize = 1 << 16;
 /// Longest side of a block, in voxels, for which the prior was trained.
 const LONGEST: u32 = 72;
 
-/// Returns the snapshot in voxels so coarse that the block is no larger than those in training: the snapshot
-/// itself if it is coarse enough.
+/// Returns the snapshot if its block is no larger than those in training, otherwise a copy in voxels large
+/// enough for that.
 ///
 /// As in a map of larger voxels, a voxel is occupied if a part of it is, else free if a part of it is, else
 /// unknown. This resolution is enough to show the object's shape, and the planning time does not grow with

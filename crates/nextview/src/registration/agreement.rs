@@ -66,7 +66,7 @@ fn is_wrong(&PoseComparison { found, apart }: &PoseComparison, spacing: f64) -> 
 }
 
 /// Returns how far apart the first frames, oldest first, show the same surface: root mean square along its
-/// normal, metres, the median over frames that an alignment to those before them brings together. `None`
+/// normal, metres; the median over those frames that alignment brings closer to the earlier ones. `None`
 /// unless the number of frames is the one to compare, and two are more than half a voxel (of this edge,
 /// metres) apart.
 pub(crate) fn apart(

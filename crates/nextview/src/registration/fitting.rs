@@ -38,9 +38,9 @@ const N_LIKELY: usize = 12;
 const LOOSELY: f64 = 0.1;
 
 /// Cost of a turn after the search, first from the given pose, then from the best place: as if each point
-/// were off by the turn (radians) times this, metres. Otherwise, with little overlap, mostly table, a frame
-/// turns as far as allowed. A degree costs 0.07 mm, less than the noise, and the largest turn allowed by
-/// default 0.7 mm.
+/// were off by the turn (radians) times this length, metres. Without this cost, with little overlap, mostly
+/// table, a frame turns as far as allowed. A degree costs 0.07 mm, less than the noise, and the largest turn
+/// allowed by default 0.7 mm.
 const TURN_ARM: f64 = 0.004;
 
 /// Weight of a point that is not known yet, relative to a contradicting one: it is worse than one that fits.

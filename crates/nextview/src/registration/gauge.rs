@@ -13,8 +13,9 @@ const LONGEST_ARM: f64 = 1e3;
 /// Returns the common motion of all views that best matches the given poses; the identity without points.
 ///
 /// The rotation is the most likely one if the given camera poses have independent, normally distributed
-/// errors of position and rotation, in proportion to their uncertainties. Points of the object say less: a
-/// position error acts on the side of the object that a camera sees, and shifts of its sides turn it.
+/// errors of position and rotation, in proportion to their uncertainties. Points of the object determine it
+/// less well: a position error shifts the side of the object that a camera sees, and shifts of its sides turn
+/// the object.
 ///
 /// The translation moves the middle of all points to where the given poses put it: poses from markers around
 /// the object, or from its surface, have rotation errors around the object rather than around the camera.

@@ -22,7 +22,7 @@ const LEAST_SHARE: f64 = 1e-9;
 
 impl NormalEquations {
     /// Returns the problem of these pairs; residuals above `scale` metres count less and less. `None` if
-    /// there is no pairs, or if all points coincide.
+    /// there are no pairs, or if all points coincide.
     pub fn new(pairs: &[Pair], scale: f64) -> Option<Self> {
         let n = pairs.len() as f64;
         let center = pairs.iter().map(|pair| pair.point).sum::<DVec3>() / n;

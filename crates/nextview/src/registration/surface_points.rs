@@ -10,7 +10,7 @@ use std::ops::Add;
 pub struct SurfacePoint {
     /// Metres.
     pub position: DVec3,
-    /// Of unit length, out of the surface.
+    /// Of unit length, pointing out of the surface.
     pub normal: DVec3,
 }
 

@@ -42,7 +42,7 @@ pub(super) struct MeasuredQuality {
 }
 
 impl MeasuredQuality {
-    /// Returns the state before the first frame; `None` if there is no goal. The configuration must be
+    /// Returns the state before the first frame; `None` if there is no goal. The configuration must have been
     /// checked.
     pub fn new(config: &SessionConfig) -> Result<Option<Self>, Error> {
         let &SessionConfig { goal, looks, surface_error, voxel_size, .. } = config;

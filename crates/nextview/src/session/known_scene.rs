@@ -52,7 +52,7 @@ pub(super) struct Added {
 
 impl KnownScene {
     /// Returns the scene before the first frame, and the object's location if known then. The configuration
-    /// must be checked.
+    /// must have been checked.
     pub fn new(config: &SessionConfig) -> Result<(Self, Option<Location>), Error> {
         let &SessionConfig { voxel_size, sensor_model, rays, background, registration, .. } = config;
         let rules = MapRules { voxel_size, sensor_model, rays, background };
@@ -74,7 +74,8 @@ impl KnownScene {
         Ok((scene, location))
     }
 
-    /// Returns the scene with one more frame, and the changes: this one stays as it is if cancelled.
+    /// Returns the scene with one more frame, and the changes. It is a copy, so that nothing changes if
+    /// cancelled.
     pub fn with_frame(
         &self,
         config: &SessionConfig,

@@ -31,7 +31,7 @@ pub trait Reachability: Debug + Send + Sync {
 pub struct Reach {
     /// The reach of the robot's arm; `None` for no limit.
     pub sphere: Option<ReachSphere>,
-    /// Boxes of which the camera must be in one, metres; if empty, it may be anywhere.
+    /// Boxes, metres: the camera must be in one of them. If there are none, it may be anywhere.
     pub allowed: Vec<Aabb>,
     /// Boxes that the camera must stay out of, metres.
     pub forbidden: Vec<Aabb>,

@@ -14,7 +14,7 @@ use pulp::{Arch, Simd, WithSimd};
 pub(super) struct Entries {
     /// [`LANES`] at a time; the last one is repeated.
     bricks: Vec<Bricks>,
-    /// Of a ball around a brick, in voxels.
+    /// Radius of a ball around a brick, in voxels.
     radius: f64,
     /// The corners of the block, in voxels.
     corners: [DVec3; 8],

@@ -11,7 +11,7 @@ use std::ops::Range;
 pub(super) struct PassGrid {
     /// The voxels through which rays are followed: all that could change the visibility of others.
     pub block: VoxelBlock,
-    /// The block with the layer.
+    /// The block, with the layer around it.
     pub padded: VoxelBlock,
     /// By cell, 1 - P(occupied) or 1 where free space is clear; 0 where a ray ends; below
     /// [`OUTSIDE`](Self::OUTSIDE) where only a [part](Self::beside) ends it.
@@ -21,7 +21,7 @@ pub(super) struct PassGrid {
 }
 
 impl PassGrid {
-    /// Marks the layer around the block.
+    /// The value that marks the layer around the block.
     pub const OUTSIDE: f32 = -1.0;
 
     /// Creates the grid under eq. (2) with the chosen model of free space.

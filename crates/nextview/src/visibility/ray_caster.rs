@@ -403,7 +403,7 @@ mod tests {
     }
 
     proptest! {
-        /// The slow twin: the walk in whole voxels, up to the first occupied one of which it meets a part.
+        /// The slow twin: the walk in whole voxels, up to the first occupied one with a part that it meets.
         #[test]
         fn rays_end_at_measured_parts(
             origin in prop::array::uniform3(-30.0..30.0), direction in prop::array::uniform3(-1.0..1.0),

@@ -41,7 +41,7 @@ pub(super) fn fewest_possible(candidates: &Lists, by_set: &Lists, known: usize) 
     (best - TOLERANCE).ceil() as usize
 }
 
-/// The bound at these prices, and for each item 1 less the number of taken sets that serve it.
+/// The bound at these prices, and for each item 1 minus the number of taken sets that serve it.
 fn relax(by_set: &Lists, prices: &[f64], lacking: &mut [f64]) -> f64 {
     lacking.fill(1.0);
     let mut bound: f64 = prices.iter().sum();

@@ -60,8 +60,8 @@ pub(super) fn lower(
     Ok(best)
 }
 
-/// The bound at these prices, and for each item 1 less the number of sets of largest earnings that serve it
-/// beyond its price.
+/// The bound at these prices, and for each item 1 minus the number of sets, among the `n_sets` that earn
+/// most, whose value for the item exceeds its price.
 fn relax(
     values: &SetValues,
     n_sets: usize,

@@ -45,8 +45,9 @@ struct ExactSearch<'a> {
 }
 
 impl ExactSearch<'_> {
-    /// The sets that a better selection than the known one may hold. A set that is not among the `n_sets` of
-    /// largest earnings lowers the bound by the difference between the least of those and its own.
+    /// The sets that may be part of a selection better than the known one. Choosing a set that is not among
+    /// the `n_sets` that earn most lowers the bound by the difference between its earnings and the least of
+    /// theirs.
     fn candidates(&mut self, n_sets: usize, bound: f64) -> Result<Vec<u32>, Cancelled> {
         let sets: Vec<u32> = (0..self.values.n_sets() as u32).collect();
         self.work += self.values.n_pairs();
@@ -58,7 +59,7 @@ impl ExactSearch<'_> {
         Ok(earned.into_iter().filter(|(earned, _)| may_help(*earned)).map(|(_, set)| set).collect())
     }
 
-    /// Only a larger value than this is better.
+    /// A selection is better only if its value is larger than this.
     fn cut(&self) -> f64 {
         self.value * (1.0 + TOLERANCE)
     }

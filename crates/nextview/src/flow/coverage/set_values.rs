@@ -1,6 +1,6 @@
 /// The value of each of many sets for each of many items.
 ///
-/// Several chosen sets serve an item as well as the best of them; their joint value is the sum over the
+/// An item counts with its largest value in any of the chosen sets; their joint value is the sum over the
 /// items. If an item has one value in all its sets, this is weighted coverage.
 ///
 /// ```

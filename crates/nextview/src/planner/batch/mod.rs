@@ -19,8 +19,8 @@ use value::values_of_views;
 pub struct BatchConfig {
     /// Maximum number of views of a batch, at least 1. Default 5.
     pub n_views: usize,
-    /// Weight of the path length against the value of the views, 0..=1. Default 0: the path is short for its
-    /// views, but no view is left out to shorten it.
+    /// Weight of the path length against the value of the views, 0..=1. Default 0: the views are ordered for
+    /// a short path, but none is left out to shorten it.
     ///
     /// Both are relative to the batch for theta = 0: the score of a batch is (1 - theta) times its relative
     /// value less theta times its relative path length. With 0.2, a view that adds 1 % of the value for more

@@ -73,7 +73,8 @@ impl Doubt {
         }
     }
 
-    /// Stores what a view is expected to show: `gain` voxels, these with these probabilities.
+    /// Stores what a view is expected to show: `gain` voxels in total, and the probability of each in
+    /// `shown`.
     pub fn expect(
         &mut self,
         (view, gain): (usize, f64),

@@ -9,8 +9,8 @@ const N_AHEAD: usize = 5;
 const N_AROUND: usize = 24;
 
 /// Returns the total number of voxels expected to be newly seen after `chosen` and after each view that would
-/// follow if nothing were learned on the way. Each is the view expected to add most, of some that lie all
-/// around. Rays are `ray_spacing` voxels apart.
+/// follow if nothing were learned on the way: each time, the one expected to add most among [`N_AROUND`]
+/// evenly spread views. Rays are `ray_spacing` voxels apart.
 pub(super) fn n_expected(
     scene: &Setting<'_>,
     chosen: usize,

@@ -70,7 +70,7 @@ const LEAST_GAIN: f64 = 0.5;
 /// A view that shows hardly anything of what was expected lowers the expectations for the same voxels.
 ///
 /// Each plan has an [`Outlook`]. Its visible surface is what all views within reach show in the first pass.
-/// Its next views are the chosen one, then those expected to add most, of some that lie all around.
+/// Its next views are the chosen one, then those expected to add most among a few that are evenly spread.
 ///
 /// ```
 /// use nextview::planner::{MostSurface, MostSurfaceConfig};

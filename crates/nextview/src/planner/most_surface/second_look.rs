@@ -28,7 +28,7 @@ const FEW: f64 = 0.01;
 
 /// Returns, by view, the value of second looks at known surface, in voxels of new surface. With a goal, these
 /// are the gains [`BetterSurface`] and [`MoreLooks`], unless planning is in coarser voxels. Otherwise it is
-/// [`SurerSurface`], if the error of the camera is large against the voxels. Empty without any.
+/// [`SurerSurface`], if the error of the camera is large compared to the voxels. Empty without any.
 pub(super) fn values(situation: &Situation<'_>, snapshot: &Snapshot) -> Result<Vec<f64>, Cancelled> {
     let (intrinsics, range) = (situation.intrinsics(), situation.depth_range());
     let better = situation.goal().filter(|(measured, _)| is_in_measured_voxels(snapshot, measured.lattice()));

@@ -85,7 +85,7 @@ mod tests {
         assert!((found.shape.determinant() / shape.determinant() - 1.0).abs() < 0.05);
     }
 
-    /// The slow twin: ellipsoids of any shape around the points, of which none is smaller.
+    /// The slow twin: ellipsoids of any shape around the points, none of which is smaller.
     #[test]
     fn no_other_ellipsoid_around_the_points_is_smaller() {
         let mut random = Random::new(2, 0);

@@ -61,7 +61,7 @@ struct Ellipsoids {
 }
 
 impl Ellipsoids {
-    /// The paper's F: pixels of frontier ellipsoids less pixels of occupied ones, halved with each step back
+    /// The paper's F: pixels of frontier ellipsoids minus pixels of occupied ones, halved with each step back
     /// in the order of depth.
     fn score(&self, world_from_camera: &Pose, intrinsics: &Intrinsics) -> f64 {
         let camera_from_world = world_from_camera.inverse();

@@ -146,9 +146,9 @@ impl<'a> EdgeScene<'a> {
             && self.cloud.is_visible(edge.point, edge.normal, camera, STEP * self.voxel_size)
     }
 
-    /// The next view and its frontier point. The base is the proposal nearest to the camera. Of the proposals
-    /// that see its frontier point, and more points than it does, the one with the most points for its
-    /// distance is chosen; if there is none, the base.
+    /// The next view and its frontier point. The base is the proposal nearest to the camera. Among the
+    /// proposals that see the frontier point of the base, and more points than the base does, the one with
+    /// the most points per distance is chosen; if there is none, the base.
     fn choose(&self, edges: &[Edge], proposals: &[Proposal], camera: DVec3) -> Option<(Choice, DVec3)> {
         let distance = |proposal: &&Proposal| self.place(proposal.view).distance(camera - self.origin);
         let base = proposals.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
