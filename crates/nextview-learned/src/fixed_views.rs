@@ -35,8 +35,8 @@ pub(crate) fn stand_ins(situation: &Situation<'_>, directions: &[DVec3]) -> Vec<
     positions(&bounds, directions).into_iter().map(nearest).collect()
 }
 
-/// The stand-in of the view with the highest score among those with unvisited stand-ins, the first on ties;
-/// the runner-up is the next different one. Views without a score are left out.
+/// Chooses an unvisited candidate: the one that stands for the view with the highest score, the first on
+/// ties. The runner-up is the next different candidate. Views without a score are left out.
 pub(crate) fn choice(
     situation: &Situation<'_>,
     stand_ins: &[Option<usize>],

@@ -36,8 +36,8 @@ impl Grid {
         Self(cells)
     }
 
-    /// Creates a grid in which every cell is the byte's share of [`MAX_BYTE`](Self::MAX_BYTE); `None` unless
-    /// there is a byte for every cell and all are probabilities.
+    /// Creates a grid from one byte per cell, which stands for the probability byte /
+    /// [`MAX_BYTE`](Self::MAX_BYTE); `None` if the number of bytes is wrong or one exceeds the maximum.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let is_whole = bytes.len() == Self::N_CELLS && bytes.iter().all(|&byte| byte <= Self::MAX_BYTE);
         is_whole.then(|| Self(bytes.iter().map(|&byte| byte as f32 / Self::MAX_BYTE as f32).collect()))

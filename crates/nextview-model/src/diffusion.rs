@@ -113,7 +113,7 @@ mod tests {
         values
     }
 
-    /// Up to the remaining error of few sweeps, for a largest value of 1.
+    /// A few sweeps leave an error below a tenth of the largest value, 1.
     #[test]
     fn open_values_are_means_of_those_around_them() {
         let mut random = Random::new(5, 0);

@@ -17,8 +17,8 @@ const BRICK: UVec3 = UVec3::new(LANES as u32, 4, 4);
 /// Maximum memory of a field, MB.
 const MEMORY_LIMIT_MB: u64 = 4096;
 
-/// Weight of a free ray without return, against 1 for a ray that ends at a surface farther away. With 1, a
-/// recording with masks that are too tight kept 37 % of its surface within 2 mm.
+/// Weight of a free ray without return, compared to 1 for a ray that ends at a surface farther away. With 1,
+/// a recording with masks that are too tight kept 37 % of its surface within 2 mm.
 const OPEN_WEIGHT: f32 = 0.1;
 
 /// A truncated signed distance field: at each voxel centre of a block, the mean signed distance to the

@@ -13,9 +13,9 @@ use nextview::{Cancel, Cancelled};
 /// unseen parts.
 const REACH: f64 = 2.0;
 
-/// Weight of a silhouette, against 1 for a surface seen from the front. Its distance is only a lower bound:
-/// with 0.5, a ball of 15 voxels is off by 0.016 voxels on average, with 0.05 by 0.007. Without it, voxels
-/// near convex edges, which all frames see next to a silhouette, would be unmeasured or left to planes
+/// Weight of a silhouette, compared to 1 for a surface seen from the front. Its distance is only a lower
+/// bound: with 0.5, a ball of 15 voxels is off by 0.016 voxels on average, with 0.05 by 0.007. Without it,
+/// voxels near convex edges, which all frames see next to a silhouette, would be unmeasured or left to planes
 /// extended too far.
 const SILHOUETTE_WEIGHT: f32 = 0.1;
 
@@ -43,7 +43,7 @@ pub(super) enum Evidence {
 pub(super) struct FrameSurface {
     intrinsics: Intrinsics,
     planes: TangentPlanes,
-    /// By pixel, whether it is without return.
+    /// Whether each pixel is without return.
     is_open: Vec<bool>,
     clear_depth: ClearDepth,
     tiles: DepthTiles,

@@ -9,8 +9,8 @@ use rustc_hash::FxHashMap;
 const REACH: i32 = 4;
 
 /// Gives every point, such as a vertex of a mesh, the colour and the expected error of the nearest point of a
-/// cloud that has one of them, if any; nothing if that is farther away than four times `cell` metres (at
-/// least 0.0001). The cloud must be thinned by cubes with edges of `cell`, as by
+/// cloud that has at least one of them, unless it is farther away than four times `cell` metres (at least
+/// 0.0001). The cloud must be thinned by cubes with edges of `cell`, as by
 /// [`downsample`](nextview::surface::downsample); if a cube holds several such points, the last counts.
 ///
 /// ```

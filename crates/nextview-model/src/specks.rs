@@ -97,7 +97,7 @@ mod tests {
         }
     }
 
-    /// The rest of sheets at heights 0, 1, ..., with the evidence given by height.
+    /// What is left of sheets with these sides, at heights 0, 1, ..., and this evidence at each height.
     fn left(sides: &[u32], evidence: &[f32]) -> SurfaceMesh {
         let mut mesh = SurfaceMesh::default();
         for (z, &n) in sides.iter().enumerate() {

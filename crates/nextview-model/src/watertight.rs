@@ -63,9 +63,9 @@ impl DistanceField {
     /// Extracts the surface, closed where nothing was measured: a 2-manifold, oriented outwards, without the
     /// specks that [`surface`](Self::surface) removes. Empty if no surface was measured.
     ///
-    /// 1. Voxels of which nothing was measured take the value that diffuses into them from all others (Davis
-    ///    et al. 2002, in the limit), so that the surface continues smoothly. Nothing flows through the
-    ///    border of the block: surface that reaches it continues up to it.
+    /// 1. Voxels without a measurement take the value that diffuses into them from all others (Davis et al.
+    ///    2002, in the limit), so that the surface continues smoothly. Nothing flows through the border of
+    ///    the block: surface that reaches it continues up to it.
     /// 2. With a floor, measurements less than its clearance above it count as none, and the object ends at
     ///    its plane. If that lies a little below the block, so does the bottom of the object.
     /// 3. Everything ends at the border of the block.
@@ -166,8 +166,8 @@ struct SignedVoxels {
 }
 
 impl SignedVoxels {
-    /// Adds a surrounding layer outside, at such a distance that surface at the border ends halfway to the
-    /// layer, and at least `barely`.
+    /// Adds a layer outside, all around. Each of its voxels is as far outside as the nearest voxel is from
+    /// the surface, at least `barely`: surface at the border then ends halfway to the layer.
     fn surrounded(self, barely: f32) -> Self {
         let Self { block, values, is_known } = self;
         let around = VoxelBlock::new(block.min() - 1, block.dims() + 2).expect("hardly larger");

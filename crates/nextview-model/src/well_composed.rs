@@ -7,7 +7,7 @@ use nextview::{Cancel, Cancelled};
 /// 2-manifold, and returns for each voxel whether it was added.
 ///
 /// The boundary is a 2-manifold if no two voxels of the same side touch only across an edge or a corner
-/// (well-composed, Latecki et al. 1995). Of the voxels that separate such a pair, the one with the value
+/// (well-composed, Latecki et al. 1995). Among the voxels that separate such a pair, the one with the value
 /// nearest to inside is added, the lowest index on ties (a deterministic form of Siqueira et al. 2008); it is
 /// set to `inside`, which must be negative. Only voxels within the bounding box of those inside are added.
 pub(super) fn make_well_composed(
@@ -46,7 +46,8 @@ pub(super) fn corners(block: &VoxelBlock, first: usize) -> [usize; 8] {
     std::array::from_fn(|i| first + (i & 1) * x + (i >> 1 & 1) * y + (i >> 2) * z)
 }
 
-/// Returns the corner to add, if two corners of one side touch only across an edge or the cell.
+/// Returns the corner to add if two corners, both inside or both outside, are connected only diagonally:
+/// across a face or through the cell. `None` if there are no such corners.
 fn critical(values: [f32; 8]) -> Option<usize> {
     let inside = (0..8).fold(0_u8, |mask, i| mask | u8::from(values[i] < 0.0) << i);
     if matches!(inside, 0 | 0xff) {
@@ -72,7 +73,7 @@ fn faces() -> impl Iterator<Item = (u8, u8)> {
 }
 
 /// Fills outside voxels not connected across faces to the first voxel, which must be outside. Returns for
-/// each voxel whether it was filled. Well-composed solids stay so.
+/// each voxel whether it was filled. A well-composed solid stays well-composed.
 pub(super) fn fill_cavities(block: &VoxelBlock, values: &mut [f32], inside: f32) -> Vec<bool> {
     let mut is_reached = vec![false; values.len()];
     is_reached[0] = true;

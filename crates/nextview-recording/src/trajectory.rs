@@ -8,7 +8,7 @@ use nextview::geometry::Pose;
 pub(crate) struct Stamped<T> {
     /// Seconds.
     pub time: f64,
-    /// A readable place in the file.
+    /// Where the entry is in its file, as errors name it.
     pub place: String,
     pub value: T,
 }

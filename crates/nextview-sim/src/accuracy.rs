@@ -9,9 +9,9 @@ use nextview::geometry::Aabb;
 pub struct Accuracy {
     /// Mean distance.
     pub mean: f64,
-    /// Half of the points are nearer.
+    /// Median distance: half of the points are nearer.
     pub median: f64,
-    /// 95 % of the points are nearer.
+    /// 95 % quantile: 95 % of the points are nearer.
     pub p95: f64,
 }
 
@@ -121,7 +121,8 @@ impl SurfaceDistance {
         self.foot_on(self.nearest(point, f64::INFINITY).triangle, point)
     }
 
-    /// The same, if it is no farther than this, metres: much faster where it is farther.
+    /// As [`foot`](Self::foot), but `None` if the point is farther away than `reach` metres, which takes much
+    /// less time to find out.
     pub(crate) fn foot_within(&self, point: DVec3, reach: f64) -> Option<(DVec3, DVec3)> {
         let limit = reach * reach;
         // The search excludes the limit itself.

@@ -20,8 +20,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// Half of the measured points of such a surface are in the other voxel, only because image depths are
 /// rounded; a map with that voxel is not wrong. Voxels within a micrometre of the surface are therefore a
 /// separate kind: neither object voxels nor false. (The paper takes the voxels of many random points of the
-/// surface. However dense these are, they miss voxels of which the surface cuts off a corner; a camera finds
-/// them, and they count as false.)
+/// surface. However dense these are, they miss voxels that the surface crosses only at a corner; a camera
+/// finds them, and they count as false.)
 #[derive(Clone, Debug)]
 pub struct ObjectVoxels {
     lattice: Lattice,

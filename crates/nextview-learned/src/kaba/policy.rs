@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 pub const BOUNDARY_WEIGHTS: [f64; 5] = [0.0, 0.25, 0.5, 1.0, 2.0];
 
 /// A learned choice of the boundary weight: for each weight, a linear function of the state estimates the
-/// negative number of views still needed.
+/// number of views still needed, negated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Policy {
@@ -41,7 +41,7 @@ impl Policy {
         format!("{{\"rows\": [\n{}\n]}}\n", rows.join(",\n"))
     }
 
-    /// Returns the negative number of views still needed, by boundary weight.
+    /// Returns, for each boundary weight, the estimated number of views still needed, negated.
     pub fn values(&self, features: &[f64; N_FEATURES]) -> [f64; BOUNDARY_WEIGHTS.len()] {
         std::array::from_fn(|action| self.rows[action].iter().zip(features).map(|(w, x)| w * x).sum())
     }

@@ -21,7 +21,7 @@ pub struct Surveyor {
 struct Before {
     /// The largest gain in the first situation.
     first_gain: f64,
-    /// The shares in the last situation.
+    /// Shares of unknown and of frontier voxels in the last situation.
     unknown: f64,
     frontier: f64,
 }

@@ -9,7 +9,7 @@ use nextview::planner::{Plan, Situation, ViewPlanner};
 ///
 /// Each of its 14 [`views`](super::views) stands for the nearest view candidate (the first on ties), visited
 /// or not; views that stand for a visited one are skipped. The planner therefore takes at most 14 candidates,
-/// however many there are, and then none.
+/// however many there are, and then chooses none.
 #[derive(Clone, Debug, Default)]
 pub struct NbvNet {
     network: Network,

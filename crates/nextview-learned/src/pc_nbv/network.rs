@@ -179,7 +179,7 @@ fn edge_block(features: &[f32], layers: &[Dense; 3]) -> Vec<f32> {
     found
 }
 
-/// The nearest points of each in feature space, without itself; the first on ties.
+/// For each point, the other points nearest to it in feature space; the first on ties.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "iterators are not always inlined into vector instructions")]
 fn neighbors(features: &[f32]) -> Vec<usize> {

@@ -9,8 +9,8 @@ use nextview::planner::{Plan, Situation, ViewPlanner};
 ///
 /// Each of its 33 [`views`] stands for the nearest view candidate (the first on ties), visited or not. A view
 /// is visited if its candidate is, or if it is the nearest in angle to a visited candidate. The planner
-/// therefore takes at most 33 candidates, however many there are, and then none. The score is the predicted
-/// share of new surface.
+/// therefore takes at most 33 candidates, however many there are, and then chooses none. The score is the
+/// predicted share of new surface.
 #[derive(Clone, Debug, Default)]
 pub struct PcNbv {
     network: Network,

@@ -15,7 +15,7 @@ const ALIKE: f32 = 0.15;
 /// Minimum number of shared vertices for comparing two photos, and the maximum number used.
 const SHARED: std::ops::RangeInclusive<usize> = 20..=10_000;
 
-/// Strength of the prior that gains are 1, in shared vertices.
+/// Weight of the prior that gains are 1, as a number of shared vertices.
 const PRIOR: f64 = 1.0;
 
 /// Returns the factors for red, green and blue of each photo that equalise vertices in all photos that see

@@ -3,8 +3,8 @@ use glam::DVec3;
 /// Number of smoothing rounds: triangles of a noisy surface face anywhere.
 const N_ROUNDS: usize = 3;
 
-/// Returns the unit normal of every triangle, counter-clockwise from outside, averaged with those around it;
-/// zero if there is none.
+/// Returns the outward unit normal of every triangle, averaged with those around it; zero if it is undefined.
+/// The corners of a triangle run counter-clockwise seen from outside.
 pub(super) fn smooth(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
     let area = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|i| vertices[i as usize]);

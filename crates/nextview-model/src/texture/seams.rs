@@ -8,7 +8,7 @@ use nextview::{Cancel, Cancelled};
 /// Number of sweeps over all corrections.
 const N_SWEEPS: usize = 60;
 
-/// Weights of equal corrections of neighbours in a chart, and of zero corrections, against 1 for equal
+/// Weights of equal corrections of neighbours in a chart, and of zero corrections, compared to 1 for equal
 /// colours at a seam.
 const SMOOTH: f32 = 1.0;
 const SMALL: f32 = 0.1;

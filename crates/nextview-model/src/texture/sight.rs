@@ -150,7 +150,7 @@ pub(super) fn is_touched(corners: [DVec2; 3], pixel: DVec2) -> bool {
 }
 
 /// Returns 1 if all pixels that a triangle touches show it, less if some may show something else; `None` if
-/// one does or is outside the image, or if none was measured.
+/// one shows something else or is outside the image, or if none was measured.
 fn clearness(corners: &[ImagePoint; 3], photo: &Photo, mesh_depth: &[f64], tolerance: f64) -> Option<f32> {
     let image = photo.frame.image();
     let size = [image.width(), image.height()];

@@ -6,8 +6,8 @@ use nextview::{Cancel, Cancelled};
 /// Colour of vertices without any colour nearby.
 const NONE: [f32; 3] = [128.0; 3];
 
-/// Returns the colour of every vertex: from the photos, or else its own, or else, in rounds, the mean of its
-/// neighbours.
+/// Returns the colour of every vertex: that in the photos, or else its own, or else the mean of its
+/// neighbours, which spreads in rounds.
 pub(super) fn vertex_colors(
     vertices: &[CloudPoint],
     triangles: &[[u32; 3]],

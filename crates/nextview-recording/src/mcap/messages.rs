@@ -11,7 +11,7 @@ use nextview::sensor::{ColorImage, DepthImage, Intrinsics};
 pub(super) struct MessageHeader<'a> {
     /// Time of the content in seconds.
     pub time: f64,
-    /// The frame of the content, or of its source.
+    /// Name of the coordinate frame of the content or, for an image, of its camera.
     pub frame: &'a str,
 }
 

@@ -26,7 +26,7 @@ struct Topics {
 
 /// The images of a topic.
 struct TopicImages {
-    /// The frame that took them.
+    /// Name of the coordinate frame of the camera that took them.
     frame: String,
     places: Vec<Stamped<ImagePlace>>,
 }

@@ -26,8 +26,8 @@ impl Image<'_> {
         matches!(self.encoding, "16UC1" | "32FC1")
     }
 
-    /// Decodes the depth. Infinite depths in metres are missing, since they only mean beyond an unknown
-    /// range.
+    /// Decodes the depth. Infinite depths in metres count as missing: they only say that the surface is
+    /// beyond a range that is not known.
     ///
     /// # Errors
     /// If it is not a depth image, does not match the size in the intrinsics, or is shorter than stated.

@@ -70,7 +70,7 @@ impl RobotCell {
         solutions
     }
 
-    /// Joint values without full turns, in billionths.
+    /// Joint values without full turns, in billionths of a turn or, for sliding joints, of a metre.
     fn turned_back(&self, values: &[f64]) -> Vec<i64> {
         let within_turn = |(joint, value): (&Joint, &f64)| match joint.kind {
             JointKind::Revolute => ((value / TAU).rem_euclid(1.0) * 1e9).round() as i64 % 1_000_000_000,

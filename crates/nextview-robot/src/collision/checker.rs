@@ -50,8 +50,8 @@ pub(crate) struct PartMotion {
 }
 
 impl Checker {
-    /// Minimum distance between parts of the arm in metres. Shapes of links are simpler than links, and
-    /// joints often have less play than the clearance from obstacles.
+    /// Minimum distance between parts of the arm in metres. It is small because the shapes of links are
+    /// simplified, and joints often have less play than the clearance from obstacles.
     pub const SELF_CLEARANCE: f64 = 1e-3;
 
     /// Maximum deficit of distances below the clearance along a motion, in metres. Without it, a motion that

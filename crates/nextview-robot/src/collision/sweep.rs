@@ -8,8 +8,8 @@ use glam::DVec3;
 /// values of the other joints. The solids are on a link, in its frame.
 ///
 /// A turning joint moves a point in proportion to its distance from the axis. The path from the axis to the
-/// point follows the frames of the joints in between. The first part does not depend on joint values: only
-/// its component across the axis counts. The others count in full.
+/// point follows the frames of the joints in between. The first part of the path does not depend on joint
+/// values: only its component across the axis counts. The other parts count in full.
 pub(super) fn sweeps(arm: &Arm, link: usize, solids: &[(Solid, Placement)]) -> Vec<f64> {
     let corners: Vec<DVec3> = solids
         .iter()

@@ -10,7 +10,7 @@ const SINGULAR: f64 = 1e-7;
 const TOUCHED: f64 = 1e-2;
 
 /// Angles about the unit vector `axis` at which the product of the turned `vector` with `other` is `product`:
-/// none or two (equal if the circle is touched). If any angle is right, those of `free`.
+/// none or two (equal if the circle is touched). If every angle is a solution, the angles in `free`.
 pub(super) fn angles_to_product(
     axis: DVec3,
     vector: DVec3,
@@ -46,8 +46,8 @@ pub(super) fn angles_to_distance(
     angles_to_product(axis, arm, other, product, free)
 }
 
-/// The angle about the unit vector `axis` that turns `from` into the half-plane of `to`; those of `free` if
-/// either vector is along the axis.
+/// The angle about the unit vector `axis` that turns `from` into the half-plane of `to`; the angles in `free`
+/// if either vector is along the axis.
 pub(super) fn angles_between(axis: DVec3, from: DVec3, to: DVec3, free: &[f64]) -> Vec<f64> {
     let flat = |vector: DVec3| vector - axis * axis.dot(vector);
     let (from, to) = (flat(from), flat(to));

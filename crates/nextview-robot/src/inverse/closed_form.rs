@@ -12,7 +12,7 @@ enum Form {
 /// A closed-form solution for six turning axes.
 pub(super) struct ClosedForm {
     form: Form,
-    /// Whether it solves the arm from the flange to the base.
+    /// Whether the form solves the arm in reverse, from the flange to the base.
     is_reversed: bool,
     flange_from_base: Pose,
 }

@@ -5,7 +5,7 @@ use nextview::geometry::Pose;
 
 /// Number of values tried for the held joint.
 pub(super) const N_SAMPLES: usize = 64;
-/// Number of values tried if these have no solution.
+/// Number of values tried if none of those [`N_SAMPLES`] values has a solution.
 pub(super) const N_FINE_SAMPLES: usize = 1024;
 /// Share of its range at which a joint is held to examine the others: an arbitrary, generic position.
 const LOOK: f64 = 0.3819;

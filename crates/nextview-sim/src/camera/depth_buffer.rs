@@ -42,7 +42,8 @@ impl DepthBuffer {
         })
     }
 
-    /// Updates the bounds in a box, which must not be empty. Outdated bounds still hold.
+    /// Updates the bounds in a box, which must not be empty. Bounds that were not updated are still valid,
+    /// but looser.
     #[inline(always)]
     pub fn update_bounds(&mut self, pixels: PixelBox) {
         let (columns, rows) = (pixels.columns(), pixels.rows());

@@ -41,13 +41,14 @@ impl Polynomial {
         DVec2::new(value(&self.u, point), value(&self.v, point))
     }
 
-    /// In the square, a step of length `s` along both axes changes no component by more than `s` times this.
+    /// Returns a bound in the square: a step of length `s` along both axes changes no component by more than
+    /// `s` times the bound.
     pub fn steepest(&self) -> f64 {
         self.sum(|i, j| i + j)
     }
 
-    /// In the square, no component deviates from its tangent by more than `s * s` times this after a step of
-    /// length `s` along both axes.
+    /// Returns a bound in the square: after a step of length `s` along both axes, no component deviates from
+    /// its tangent by more than `s * s` times the bound.
     pub fn most_bent(&self) -> f64 {
         0.5 * self.sum(|i, j| (i + j) * (i + j).saturating_sub(1))
     }

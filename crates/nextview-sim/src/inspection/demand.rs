@@ -28,7 +28,7 @@ pub struct SurfaceDemand {
 #[derive(Clone, Debug)]
 pub struct SurfaceDemands {
     demands: Vec<SurfaceDemand>,
-    /// Samples of each demand, in the coordinates of the CAD model.
+    /// The samples, each with the number of its demand, in the coordinates of the CAD model.
     samples: Vec<(usize, SurfacePoint)>,
 }
 

@@ -37,7 +37,7 @@ impl PartFit {
 /// Spacing of the points whose pairs give the pose, as a share of the model's diagonal.
 const SPACING: f64 = 0.05;
 
-/// Number of model samples from which those points are made.
+/// Number of model samples from which the points of the pairs are made.
 const N_SAMPLES: usize = 30_000;
 
 /// Number of poses tried, in addition to that of the scan's world.
@@ -53,8 +53,8 @@ const REACH: [[f64; 2]; 2] = [[0.08, 0.01], [0.01, 0.003]];
 /// A point is near the model within this share of the diagonal.
 const NEAR: f64 = 0.01;
 
-/// Weight of the ruled-out share of the model against the share of points near it. Noise rules out little; of
-/// two poses with the same points near the model, one with any more is wrong.
+/// Weight of the ruled-out share of the model, relative to the share of points near it. Noise rules out
+/// little: if two poses have the same points near the model, the one that is ruled out more is wrong.
 const RULED_OUT: f64 = 2.0;
 
 /// Minimum cosine between the normals of a point and of the model.

@@ -17,8 +17,8 @@ use std::cmp::Reverse;
 ///
 /// After each frame, it locates the part, determines the samples measured as demanded, and finds a small set
 /// of views that show the rest: the fewest, or those that show most if that exceeds the maximum number of
-/// views. Of this set, it takes the view that shows most. A sample that two pictures should have shown but
-/// did not is given up.
+/// views. It takes the view of this set that shows most. A sample that two pictures should have shown but did
+/// not is given up.
 pub struct InspectionViews {
     mesh: TriangleMesh,
     demands: SurfaceDemands,

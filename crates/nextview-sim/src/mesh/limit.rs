@@ -13,7 +13,7 @@ const PER_TRIANGLE: u64 = 182;
 const FREE: u64 = 100_000_000;
 
 /// Fails if a mesh takes more than 20 times the memory of its file and 100 MB. A few bytes of a file may
-/// stand for any number of triangles where parts are repeated, and for one triangle each in polygons.
+/// stand for any number of triangles if parts are repeated, and for one triangle each in polygons.
 pub(super) fn check(n_vertices: usize, n_triangles: usize, n_bytes: u64) -> Result<(), SimError> {
     let [n_vertices, n_triangles] = [n_vertices, n_triangles].map(|n| n as u64);
     let of_triangles = PER_TRIANGLE.saturating_mul(n_triangles);

@@ -123,7 +123,7 @@ impl Obj {
     }
 }
 
-/// The second texture coordinate, which is 0 in an image of one row.
+/// The second texture coordinate; 0 if the line omits it, as for an image of one row.
 fn second(line: &NumberedLine) -> Result<f32, SimError> {
     if line.words().len() < 3 { Ok(0.0) } else { line.number(2, "a texture coordinate") }
 }

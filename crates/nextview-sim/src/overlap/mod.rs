@@ -121,8 +121,8 @@ fn is_left_of(low: DVec2, high: DVec2, from: DVec2, to: DVec2) -> bool {
     reaches(rotation([from, to, DVec2::select(grows, high, low)]), grows.any())
 }
 
-/// Whether a value, the largest of a box on an axis relative to the triangle, is not too low. The value of an
-/// upper face is not attained.
+/// Whether a box reaches the triangle along an axis. `value` is the largest value of the box on the axis,
+/// relative to the triangle; the box does not attain that of an upper face.
 fn reaches(value: f64, is_of_upper_face: bool) -> bool {
     value > 0.0 || value == 0.0 && !is_of_upper_face
 }

@@ -9,7 +9,7 @@ const SEEN: f64 = 0.002;
 /// have.
 #[derive(Debug, Default)]
 pub struct ReachableSurface {
-    /// By sample. Several threads add views; as they only set, their order does not matter.
+    /// By sample. Several threads add views; their order does not matter, since they only set flags.
     is_seen: Vec<AtomicBool>,
 }
 

@@ -15,8 +15,8 @@ pub(super) enum Missing {
     Gap { from: f64, to: f64 },
 }
 
-/// Maximum time in seconds to interpolate a moving frame across: its motion in between is unknown, and with
-/// transforms out of order, one in between may still arrive.
+/// Longest gap, in seconds, across which a moving frame is interpolated: its motion in the gap is unknown,
+/// and transforms may arrive out of order, so one in the gap may still come.
 const LONGEST_GAP: f64 = 0.5;
 
 impl TimedPoses {
