@@ -57,7 +57,7 @@ impl PlannerFailure {
         Self { message, error: None }
     }
 
-    /// An exception raised in this part.
+    /// An exception raised in this part of the planner.
     pub fn raised(py: Python<'_>, part: &str, error: PyErr) -> Self {
         let place = place(py, &error).unwrap_or_default();
         Self { message: format!("{part} raised {error}{place}"), error: Some(error) }

@@ -73,7 +73,8 @@ fn found<'py>(py: Python<'py>, module: &str, name: &str) -> Result<Bound<'py, Py
     Ok(found)
 }
 
-/// Returns the module. One still being imported, because it starts a scan, would wait for itself.
+/// Returns the module. One that is still being imported, because it starts a scan, is not imported again: it
+/// would wait for itself.
 fn imported<'py>(py: Python<'py>, module: &str) -> PyResult<Bound<'py, PyAny>> {
     let known = py.import("sys")?.getattr("modules")?.call_method1("get", (module,))?;
     if known.is_none() { Ok(py.import(module)?.into_any()) } else { Ok(known) }

@@ -28,7 +28,7 @@ pub struct Scene {
 /// Lowest and highest corners.
 type Corners = ([f64; 3], [f64; 3]);
 
-/// A depth image and the pose that it claims.
+/// A depth image, and the pose that the camera claims for it.
 type ClaimedImage<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<f64>>);
 
 #[pymethods]

@@ -83,7 +83,7 @@ const MOST_NESTED: usize = 40;
 /// Maximum size of a text in a configuration: that of the longest path.
 const MOST_TEXT_BYTES: usize = 4096;
 
-/// Cost of a value in a configuration in bytes of text.
+/// Bytes that every value of a configuration counts, in addition to those of its text.
 const VALUE_BYTES: u64 = 8;
 
 /// The only conversion from Python values to configurations. It terminates for any input: containers that

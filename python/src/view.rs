@@ -91,7 +91,7 @@ impl View {
 
 #[pymethods]
 impl View {
-    /// Number among the candidates, from 0; None for a first view that is no candidate.
+    /// Number among the candidates, from 0; None for a first view that is not a candidate.
     #[getter]
     fn number(&self) -> Option<usize> {
         self.next.view
