@@ -22,7 +22,7 @@ pub fn config(dict: &Bound<'_, PyDict>) -> PyResult<ScanConfig> {
     guarded(py, || ScanConfig::from_table(table))?.map_err(|faults| of_request(py, faults))
 }
 
-/// The exception for faults in values: those that are in no file are the caller's.
+/// The exception for faults in values: a fault that is not in a file is one of the request.
 pub fn of_request(py: Python<'_>, faults: Faults) -> PyErr {
     let kind = |fault: &Fault| if fault.place.is_none() { FaultKind::Request } else { fault.kind };
     exception(py, faults.map(|fault| Fault { kind: kind(&fault), ..fault }))
@@ -211,7 +211,7 @@ fn is_planner(name: &str) -> bool {
     name.rsplit('.').next() == Some("planner")
 }
 
-/// The number, if the value is one that fits; any other exception is passed to the caller.
+/// The number; `None` if the value is not a number or does not fit. Any other exception is passed on.
 fn fitting<T>(number: PyResult<T>, py: Python<'_>) -> PyResult<Option<T>> {
     match number {
         Ok(number) => Ok(Some(number)),

@@ -24,7 +24,7 @@ const ENTRIES: [&str; 12] =
 /// Prefix of the pose columns.
 const POSE: &str = "world_from_camera";
 
-/// Maximum deviation of rotations without a note: rounding in files with few digits.
+/// Deviation of a rotation up to which there is no note: rounding in files with few digits.
 const NOTED: f64 = 1e-3;
 
 /// A row of poses.csv.

@@ -40,7 +40,8 @@ pub(crate) fn parse_transform(text: &str) -> Result<Pose, RecordingError> {
 /// A matrix made rigid.
 pub(crate) struct Rigid {
     pub pose: Pose,
-    /// Deviation from the identity of its rotation times its transpose: largest entry.
+    /// Largest deviation of an entry from the identity, in the product of the rotation read and its
+    /// transpose.
     pub error: f64,
 }
 

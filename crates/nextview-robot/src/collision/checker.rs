@@ -54,8 +54,8 @@ impl Checker {
     /// simplified, and joints often have less play than the clearance from obstacles.
     pub const SELF_CLEARANCE: f64 = 1e-3;
 
-    /// Maximum deficit of distances below the clearance along a motion, in metres. Without it, a motion that
-    /// just keeps the clearance could not be checked in finite time.
+    /// Maximum amount in metres by which distances along a motion may be below the clearance. Without it, a
+    /// motion that just keeps the clearance could not be checked in finite time.
     pub const SLACK: f64 = 5e-4;
 
     /// Creates a checker for an arm with the load `attached` among `obstacles`, at a minimum distance of

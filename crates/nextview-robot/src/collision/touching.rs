@@ -6,8 +6,8 @@ use std::f64::consts::TAU as TURN;
 /// Number of configurations tried.
 const N_TRIED: usize = 1000;
 
-/// A pair that touches in more than this share of the configurations is assumed to touch by its shapes, not
-/// by the joints.
+/// A pair that touches in more than this share of the configurations is assumed to touch because of its
+/// shapes, whatever the joint values.
 const ALWAYS: f64 = 0.95;
 
 /// The pairs of links that may touch: those stated by the arm, neighbours, and those that touch in almost all

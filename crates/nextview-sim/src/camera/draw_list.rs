@@ -49,7 +49,8 @@ impl DrawList {
         list
     }
 
-    /// Appends a cluster. `number_of` maps the mesh's vertices to their numbers in it and is left empty.
+    /// Appends a cluster. `number_of` is working memory: it maps the mesh's vertices to their numbers in the
+    /// cluster, and is empty before and after.
     fn push(
         &mut self,
         mesh: &TriangleMesh,

@@ -181,7 +181,7 @@ impl TriangleMesh {
 /// Maximum missing share of a closed surface: files have few digits.
 const CLOSED: f64 = 1e-3;
 
-/// A smaller volume, as a share of the cube of the root of the area, is flat: it has no inside.
+/// Volume, as a share of the area to the power of 1.5, below which a mesh is flat: it has no inside.
 const FLAT: f64 = 1e-6;
 
 /// The area of a triangle.

@@ -8,8 +8,9 @@ use crate::{Cancel, Cancelled};
 /// how near the shares of occupied and occplane voxels among the voxels that a view sees are to 0.2 and 0.8.
 ///
 /// A ray sees the first voxel on it that is occupied, occplane or unmarked (unknown but not occplane). The
-/// shares are of the rays that see any. The gain is f(occupied, 0.2) + f(occplane, 0.8), where f(a, g) rises
-/// from 0 at a = 0 to 1 at a = g and falls to 0 at a = 1, both as a cubic with zero slope at its ends.
+/// shares are relative to the number of rays that see any such voxel. The gain is f(occupied, 0.2) +
+/// f(occplane, 0.8), where f(a, g) rises from 0 at a = 0 to 1 at a = g and falls to 0 at a = 1, both as a
+/// cubic with zero slope at its ends.
 ///
 /// Occplane, the border between occluded and free space, is published as unknown voxels next to free ones and
 /// behind a measured surface. A snapshot does not record which voxels were behind a surface when it was

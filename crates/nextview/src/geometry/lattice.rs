@@ -100,8 +100,8 @@ impl Lattice {
     }
 }
 
-/// Returns a voxel at most 32,768 along each axis from all voxels between two, both included, if they span
-/// 65,536 or less: the lattice's origin if possible, otherwise the voxel in their middle.
+/// Returns a voxel that is, along each axis, at most 32,768 voxels from all those between two, both included,
+/// if they span 65,536 or less: the lattice's origin if possible, otherwise the voxel in their middle.
 ///
 /// Relative to it, keys fit the 16 bits of an OctoMap and are exact in single precision.
 pub fn local_origin(min: VoxelKey, max: VoxelKey) -> VoxelKey {

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 /// A map states that a voxel holds surface, but a ray may still pass next to it. If whole voxels ended rays,
 /// openings of one or two voxels would be closed.
 ///
-/// Neighbouring pixels on the same surface are joined, so parts have no holes where pixels are farther apart
-/// than they are.
+/// Neighbouring pixels on the same surface are joined, so there are no holes where pixels are farther apart
+/// than parts are wide.
 #[derive(Clone, Debug)]
 pub struct MeasuredParts {
     lattice: Lattice,
@@ -29,8 +29,8 @@ const N: i32 = 4;
 /// Maximum distance between points that join two pixels, in parts.
 const SPACING: f64 = 0.9;
 
-/// Neighbouring pixels show the same surface if they are less than this many pixels apart, of the size at the
-/// nearer one. Flatter surfaces are hardly measured, and edges lie farther apart.
+/// Neighbouring pixels show the same surface if their points are less than this many pixel widths apart, at
+/// the distance of one of them. Flatter surfaces are hardly measured, and edges lie farther apart.
 const SAME_SURFACE: f64 = 6.0;
 
 impl MeasuredParts {

@@ -65,7 +65,7 @@ impl ExactSearch<'_> {
     }
 
     /// Tries all selections of up to `n` candidates in addition to the selection. Returns a bound on the
-    /// value of those that might be better than the best; 0 if none is.
+    /// value of those left unexplored because the work was used up; 0 if there are none.
     fn explore(&mut self, selection: &Selection<'_>, candidates: &[u32], n: usize) -> Result<f64, Cancelled> {
         let value = selection.value();
         self.keep(value);
