@@ -5,10 +5,10 @@
 use glam::DVec3;
 use libfuzzer_sys::fuzz_target;
 use nextview::geometry::Aabb;
-use nextview::planner::ViewPlanner;
-use nextview::registration::RegistrationConfig;
-use nextview::sensor::{DepthImage, Frame};
 use nextview::object::{ObjectBox, Table};
+use nextview::planner::ViewPlanner;
+use nextview::registration::{RegistrationConfig, RegistrationMode};
+use nextview::sensor::{DepthImage, Frame};
 use nextview::session::{Decision, Session, SessionConfig};
 use nextview::view::generate;
 use nextview_fuzz::{Source, lens};
@@ -44,7 +44,8 @@ fn config(source: &mut Source<'_>) -> SessionConfig {
         config.object_box = ObjectBox::Growing;
     }
     config.table = source.pick(&[Table::None, Table::Fitted, Table::AtHeight(-0.1), Table::AtHeight(0.3)]);
-    config.registration.enabled = source.byte() % 3 == 0;
+    let modes = [RegistrationMode::Off, RegistrationMode::On, RegistrationMode::Auto];
+    config.registration.enabled = Some(source.pick(&modes));
     if source.byte() % 8 == 0 {
         config.registration = RegistrationConfig { spacing: Some(source.number()), ..config.registration };
     }
