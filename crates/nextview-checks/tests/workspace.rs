@@ -51,6 +51,7 @@ fn files_import_each_other_without_cycles() {
 fn public_items_are_listed() {
     for name in [
         "model",
+        "octomap",
         "sim",
         "recording",
         "robot",

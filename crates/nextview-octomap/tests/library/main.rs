@@ -1,4 +1,4 @@
-//! Files of OctoMap: its own tools, files that others wrote, and what the paper's authors computed from theirs.
+//! Files of OctoMap: against its own tools, from other programs, and against the authors' values.
 
 mod octomap_tools;
 mod octree_files;

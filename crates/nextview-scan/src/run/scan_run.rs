@@ -76,7 +76,7 @@ pub enum Next {
     Stop(StopReason),
 }
 
-/// Options to begin a run.
+/// How to begin a run.
 #[derive(Default)]
 pub struct RunOptions {
     /// The journal for its frames; `None` to keep them in memory only.
@@ -125,9 +125,9 @@ impl<'a> ScanRun<'a> {
     pub fn begin(
         source: &'a dyn FrameSource,
         config: &ScanConfig,
-        begin: RunOptions,
+        options: RunOptions,
     ) -> Result<Self, Faults> {
-        let mut run = Self::of_session(source.session(config)?, config, begin)?;
+        let mut run = Self::of_session(source.session(config)?, config, options)?;
         run.scan.source = Some(source);
         run.scan.evaluator = Some(source.evaluator(config));
         Ok(run)
@@ -137,17 +137,18 @@ impl<'a> ScanRun<'a> {
     pub(crate) fn of_session(
         session: Session,
         config: &ScanConfig,
-        begin: RunOptions,
+        options: RunOptions,
     ) -> Result<Self, Fault> {
-        let earlier = config.after.as_deref().map(|dir| EarlierScan::open(dir, &begin.cancel)).transpose()?;
+        let earlier =
+            config.after.as_deref().map(|dir| EarlierScan::open(dir, &options.cancel)).transpose()?;
         let session = match &earlier {
             Some(earlier) => session.after(earlier.shown.clone()),
             None => session,
         };
-        let mut run = Self::new(session.with_cancel(begin.cancel));
+        let mut run = Self::new(session.with_cancel(options.cancel));
         run.scan.earlier = earlier;
         run.time_limit = config.time_limit_s.map(Duration::try_from_secs_f64).and_then(Result::ok);
-        run.scan.journal = begin.journal;
+        run.scan.journal = options.journal;
         run.scan.stated = ScanFacts::of(config);
         run.turntable = config.turntable;
         run.arm = config.robot.as_ref().map(ScanArm::of_config).transpose()?;
@@ -203,8 +204,8 @@ impl<'a> ScanRun<'a> {
     /// Keeps, maps and evaluates a frame in any pose. The requested view, if any, counts as visited. A
     /// [replayed](Next::Replay) frame has the colours and the name kept with it.
     ///
-    /// Fails before any change if the frame cannot be kept, or if [cancelled](RunOptions::cancel): the frame is
-    /// then requested again, or [replayed](Next::Replay) from the journal.
+    /// Fails before any change if the frame cannot be kept, or if [cancelled](RunOptions::cancel): the frame
+    /// is then requested again, or [replayed](Next::Replay) from the journal.
     pub fn push(&mut self, taken: impl Into<TakenFrame>) -> Result<&StepRecord, Fault> {
         self.add(taken.into(), None)
     }

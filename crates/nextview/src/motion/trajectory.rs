@@ -26,10 +26,10 @@ pub struct Surroundings {
 /// remaining rotation to the final pose is spread evenly along the path. Between poses that look at the
 /// middle, it looks there all the time.
 ///
-/// Along the path, speed over time is a [`SpeedProfile`](super::SpeedProfile). Where the path bends by more than 5
-/// degrees at once (at the border of the ball, if an end is inside) the camera stops. On an arc, speed^2 /
-/// radius is no more than the acceleration. Turning takes time, too: as long as a path of 0.25 m for each
-/// radian, if that is longer than the path itself.
+/// Along the path, speed over time is a [`SpeedProfile`](super::SpeedProfile). Where the path bends by more
+/// than 5 degrees at once (at the border of the ball, if an end is inside) the camera stops. On an arc,
+/// speed^2 / radius is no more than the acceleration. Turning takes time, too: as long as a path of 0.25 m
+/// for each radian, if that is longer than the path itself.
 ///
 /// ```
 /// use glam::DVec3;
