@@ -6,7 +6,7 @@ use crate::map::{OccupancyMap, Snapshot};
 use crate::motion::Trajectory;
 use crate::object::{ObjectBox, OtherBody, TableTops};
 use crate::placement::{NextPlacement, Turn, TurnRefusal, next_placement};
-use crate::registration::{self, Registration, RegistrationMode};
+use crate::registration::{Registration, RegistrationMode};
 use crate::sensor::{DepthRange, Frame, SurfaceNoise};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
@@ -87,7 +87,8 @@ impl Session {
         let apart = || match self.bounds() {
             Some(bounds) if self.config.registration.mode() == RegistrationMode::Off => {
                 let voxel_size = self.config.voxel_size;
-                let distance = registration::apart(frames, bounds, voxel_size, &self.cancel).ok()??;
+                let distance =
+                    crate::registration::apart(frames, bounds, voxel_size, &self.cancel).ok()??;
                 Some(Suspicion::Apart { distance })
             }
             _ => None,
