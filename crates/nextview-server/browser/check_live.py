@@ -80,8 +80,7 @@ def watch_scan(check: Check, robot: Robot, server: Server) -> None:
         robot.step()
         check.wait("#shown", f"{i} of {i}")
         check.wait("#next-text", f"view {robot.next()['view']['view']}.")
-        page.wait_for_timeout(300)
-        looks.append(page.evaluate(LOOK))
+        looks.append(next_look(page, looks[-1]))
         n_rows = page.locator("#views tbody tr").count()
         check.expect(n_rows == i, f"{n_rows} views in the table after {i} frames")
         check.expect(page.locator("#views td.depth img").count() >= i, f"a picture is missing after {i} frames")
@@ -112,6 +111,16 @@ def skip(check: Check, robot: Robot) -> None:
     check.expect(robot.next()["state"] == "paused", "Pause does not pause")
     check.page.click("#continue")
     check.wait("#next-text", f"view {after}.")
+
+
+def next_look(page, before):
+    """The 3D view once it differs from the one before, or after ten seconds: a loaded machine draws late."""
+    for _ in range(100):
+        page.wait_for_timeout(100)
+        look = page.evaluate(LOOK)
+        if look != before:
+            break
+    return look
 
 
 def guide(check: Check, robot: Robot) -> None:
