@@ -8,7 +8,7 @@ delays sweep from -4 to 4 ms. Many pairs, each with its own scans, are sent to o
 (SIGKILL), while requests are under way in every second round. After the restart, every frame that was acknowledged
 must be there and count once, every scan that was acknowledged and not deleted must answer, with the scan that it
 continues, and no scan whose deletion was acknowledged may be back. Prints a table of all pairs with their answers;
-fails if anything was lost, or if a client could not expect an answer.
+fails if anything was lost, or if an answer is not one that a client could expect.
 """
 
 import argparse

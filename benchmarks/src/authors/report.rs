@@ -7,6 +7,7 @@ use super::reference::{
 };
 use super::run::{ChoiceRule, FirstPlan, ScannedObject};
 use crate::Outcome;
+use nextview_scan::files::csv_field;
 use std::fmt::Write;
 
 /// Numbers of averaged runs of each kind.
@@ -67,23 +68,18 @@ impl Measurements {
 
     fn rungs(&mut self, part: &str, curves: &[(&str, [f64; N_SCANS])], rungs: &[Rung]) -> Outcome<()> {
         for (name, curve) in curves {
-            writeln!(self.coverage, "{},{},{},,,", field(part), field(name), columns(curve))?;
+            writeln!(self.coverage, "{},{},{},,,", csv_field(part), csv_field(name), columns(curve))?;
         }
         for rung in rungs {
             let ([low, high], curve) = (rung.last, columns(&rung.coverage));
             let rays = rung.n_rays.map_or(String::new(), |n| n.to_string());
-            let (name, entropy) = (field(&rung.name), rung.entropy * 100.0);
-            let part = field(part);
+            let (name, entropy) = (csv_field(&rung.name), rung.entropy * 100.0);
+            let part = csv_field(part);
             writeln!(self.coverage, "{part},{name},{curve},{low:.3},{high:.3},{rays},{entropy:.1}")?;
             writeln!(self.times, "{part}, {name}: {:.1} ms", rung.plan_time.as_secs_f64() * 1e3)?;
         }
         Ok(())
     }
-}
-
-/// A text as a field of CSV.
-fn field(text: &str) -> String {
-    if text.contains(',') { format!("\"{text}\"") } else { text.to_owned() }
 }
 
 fn columns(curve: &[f64]) -> String {

@@ -1,4 +1,5 @@
 use nextview_scan::Fault;
+use nextview_scan::files::csv_field;
 use std::io::Write;
 
 /// Named columns of equal length.
@@ -61,7 +62,7 @@ impl Table {
 
     /// The header line only.
     pub(super) fn write_csv_head(&self, writer: &mut impl Write) -> Result<(), Fault> {
-        let names: Vec<String> = self.columns.iter().map(|(name, _)| quoted(name)).collect();
+        let names: Vec<_> = self.columns.iter().map(|(name, _)| csv_field(name)).collect();
         Ok(writeln!(writer, "{}", names.join(","))?)
     }
 
@@ -87,20 +88,12 @@ impl Column {
 
     fn csv(&self, row: usize) -> String {
         let value = match self {
-            Self::Text(values) => values[row].as_deref().map(quoted),
+            Self::Text(values) => values[row].as_deref().map(|text| csv_field(text).into_owned()),
             Self::Int(values) => values[row].map(|value| value.to_string()),
             Self::Float(values) => values[row].map(|value| value.to_string()),
             Self::Bool(values) => values[row].map(|value| value.to_string()),
         };
         value.unwrap_or_default()
-    }
-}
-
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
     }
 }
 

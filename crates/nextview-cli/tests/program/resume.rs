@@ -53,11 +53,11 @@ fn killed_after(mut child: Child, time: Duration) -> (Vec<usize>, bool) {
     (lines.iter().filter_map(view).collect(), has_finished)
 }
 
-/// Kills the scan again and again, at any time. `NEXTVIEW_KILLS` sets how often (default 8; 200 in
-/// `.ci/full`).
+/// Kills the scan again and again, at any time. `NEXTVIEW_KILLS` sets how often (default 25; 200
+/// in `.ci/full`).
 #[test]
 fn whenever_it_is_killed_no_frame_is_lost_and_it_goes_on_alike() {
-    let n_kills = std::env::var("NEXTVIEW_KILLS").map_or(8, |n| n.parse().unwrap());
+    let n_kills = std::env::var("NEXTVIEW_KILLS").map_or(25, |n| n.parse().unwrap());
     let folder = folder("resume-killed");
     let start = Instant::now();
     folder.ok(&[&SCAN[..5], &["whole"]].concat());

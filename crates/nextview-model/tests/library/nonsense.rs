@@ -66,7 +66,9 @@ proptest! {
         if let Ok(thinned) = downsample(cloud.clone(), cell) {
             take_nearest(&mut thinned.clone(), &thinned, cell, never).unwrap();
             let seen = frame_points(&frame, None, Aabb::cube(DVec3::ZERO, 1.0)).unwrap();
-            fused_cloud(cloud.chain(seen), cell, None, never).unwrap();
+            for point in fused_cloud(cloud.chain(seen), cell, None, never).unwrap() {
+                prop_assert!(point.position.is_finite());
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! Colour images beside the depth.
 
 use crate::jpeg::jpeg;
-use crate::synthetic::{Folder, MadeUp, png};
+use crate::synthetic::{Folder, SyntheticRecording, png};
 use nextview_recording::{Recording, RecordingError};
 use png::{BitDepth, ColorType};
 use std::fs;
@@ -33,7 +33,7 @@ fn numbers(recording: &Recording) -> Vec<Option<u8>> {
 /// A folder of our own form with three frames.
 fn plain(name: &str) -> Folder {
     let folder = Folder::new(&format!("color-{name}"));
-    MadeUp::new(3).write_folder(&folder);
+    SyntheticRecording::new(3).write_folder(&folder);
     folder
 }
 
@@ -58,7 +58,7 @@ fn a_folder_may_have_colour() {
 #[test]
 fn colour_may_be_jpeg() {
     let folder = Folder::new("color-jpeg");
-    let mut synthetic = MadeUp::new(1);
+    let mut synthetic = SyntheticRecording::new(1);
     synthetic.camera =
         nextview::sensor::Intrinsics::pinhole(80, 64, synthetic.camera.focal(), synthetic.camera.center())
             .unwrap();
@@ -91,7 +91,7 @@ fn colour_may_be_jpeg() {
 #[test]
 fn tum_has_colour_at_its_own_times() {
     let folder = Folder::new("color-tum");
-    MadeUp::new(4).write_tum(&folder);
+    SyntheticRecording::new(4).write_tum(&folder);
     (0..4).for_each(|i| folder.write(&format!("rgb/{i}.png"), color_png(i)));
     // 15 ms off; just beyond 20 ms; there is no such file; nearer to another.
     folder.write(

@@ -1,6 +1,6 @@
 //! What is wrong with a recording is told: an error with its place, or something left out with a reason.
 
-use crate::synthetic::{Folder, MadeUp, png};
+use crate::synthetic::{Folder, SyntheticRecording, png};
 use nextview::sensor::Depth;
 use png::{BitDepth, ColorType};
 use std::fs;
@@ -17,11 +17,11 @@ fn changed_tum(name: &str, change: impl Fn(&Folder)) -> Result<Vec<String>, Stri
 /// What was left out, in words, or the error.
 fn check(
     name: &str,
-    write: impl Fn(&MadeUp, &Folder),
+    write: impl Fn(&SyntheticRecording, &Folder),
     change: impl Fn(&Folder),
 ) -> Result<Vec<String>, String> {
     let folder = Folder::new(&format!("faults-{name}"));
-    write(&MadeUp::new(3), &folder);
+    write(&SyntheticRecording::new(3), &folder);
     change(&folder);
     let recording = folder.open().map_err(|error| error.to_string())?;
     recording.frames.iter().for_each(|frame| _ = frame.load().unwrap());
@@ -56,7 +56,7 @@ fn images_that_are_no_depth() {
         with("small", small),
         &["001.png: the image has 40 x 60 pixels, but the intrinsics are for 80 x 60"],
     );
-    let whole = MadeUp::new(1).png(0);
+    let whole = SyntheticRecording::new(1).png(0);
     for length in [0, 4, 20, whole.len() / 2, whole.len() - 30] {
         assert_error(with("cut", whole[..length].to_vec()), &["001.png: is not a complete PNG image"]);
     }
@@ -167,7 +167,7 @@ fn masks_make_what_they_leave_out_free() {
         png(80, 60, ColorType::Grayscale, BitDepth::Eight, &half)
     };
     let folder = Folder::new("faults-masks");
-    MadeUp::new(2).write_folder(&folder);
+    SyntheticRecording::new(2).write_folder(&folder);
     let plain = folder.open().unwrap().frames[0].load().unwrap();
     fs::create_dir_all(folder.0.join("mask")).unwrap();
     folder.write("mask/000.png", mask(255));

@@ -1,7 +1,7 @@
 //! Whatever the form, the map is the same.
 
 use crate::mcap::{Form, bytes};
-use crate::synthetic::{Folder, MadeUp};
+use crate::synthetic::{Folder, SyntheticRecording};
 use glam::IVec3;
 use nextview::geometry::Lattice;
 use nextview::map::{Integration, LogOdds, OccupancyMap, SensorModel};
@@ -17,7 +17,7 @@ fn map(recording: &Recording) -> Vec<(IVec3, LogOdds)> {
 
 #[test]
 fn all_forms_give_the_same_map() {
-    let synthetic = MadeUp::new(6);
+    let synthetic = SyntheticRecording::new(6);
     let [ours, tum, bag] = ["folder", "tum", "mcap"].map(|form| Folder::new(&format!("maps-{form}")));
     synthetic.write_folder(&ours);
     synthetic.write_tum(&tum);

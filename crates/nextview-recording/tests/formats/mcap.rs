@@ -1,6 +1,6 @@
 //! Recordings as ROS 2 writes them: a small writer of MCAP files with messages in CDR.
 
-use crate::synthetic::{Folder, MadeUp};
+use crate::synthetic::{Folder, SyntheticRecording};
 use glam::DVec2;
 use nextview::sensor::Intrinsics;
 use nextview_recording::{ReadOptions, Recording};
@@ -107,12 +107,12 @@ impl Cdr {
 }
 
 /// The recording as a file, with images in colour that do not matter.
-pub fn bytes(synthetic: &MadeUp, form: Form) -> Vec<u8> {
+pub fn bytes(synthetic: &SyntheticRecording, form: Form) -> Vec<u8> {
     file(form, &messages(synthetic, form))
 }
 
 /// Messages with the numbers of their topics.
-pub fn messages(synthetic: &MadeUp, form: Form) -> Vec<(u16, Vec<u8>)> {
+pub fn messages(synthetic: &SyntheticRecording, form: Form) -> Vec<(u16, Vec<u8>)> {
     let mut messages = vec![(0, camera_info(synthetic, form))];
     for (i, pose) in synthetic.poses.iter().enumerate() {
         let time = 1_700_000_000.0 + 0.1 * i as f64;
@@ -125,7 +125,7 @@ pub fn messages(synthetic: &MadeUp, form: Form) -> Vec<(u16, Vec<u8>)> {
     messages
 }
 
-fn camera_info(synthetic: &MadeUp, form: Form) -> Vec<u8> {
+fn camera_info(synthetic: &SyntheticRecording, form: Form) -> Vec<u8> {
     let camera = synthetic.camera;
     let (f, c) = (camera.focal(), camera.center());
     let mut cdr = Cdr::new(form.is_big_endian, 0.0);
@@ -133,7 +133,7 @@ fn camera_info(synthetic: &MadeUp, form: Form) -> Vec<u8> {
     cdr.f64s(&[f.x, 0.0, c.x, 0.0, f.y, c.y, 0.0, 0.0, 1.0]).f64s(&[0.0; 9 + 12]).message()
 }
 
-fn depth_image(synthetic: &MadeUp, i: usize, time: f64, form: Form) -> Vec<u8> {
+fn depth_image(synthetic: &SyntheticRecording, i: usize, time: f64, form: Form) -> Vec<u8> {
     let pixel = |mm: &u16| -> Vec<u8> {
         // As the reader makes metres of millimetres, so that the maps can be the same; 0 is NaN there.
         let metres = if *mm == 0 { f32::NAN } else { (*mm as f64 * 0.001) as f32 };
@@ -227,7 +227,7 @@ pub fn open(folder: &Folder, bytes: &[u8], options: &ReadOptions) -> Result<Reco
 
 /// The error that a recording of three frames gives when its messages are changed.
 fn error(folder: &str, change: impl Fn(&mut Vec<(u16, Vec<u8>)>)) -> String {
-    let mut messages = messages(&MadeUp::new(3), Form::PLAIN);
+    let mut messages = messages(&SyntheticRecording::new(3), Form::PLAIN);
     change(&mut messages);
     let folder = Folder::new(&format!("mcap-{folder}"));
     open(&folder, &file(Form::PLAIN, &messages), &ReadOptions::default()).unwrap_err()
@@ -242,7 +242,7 @@ pub fn assert_parts(error: &str, parts: &[&str]) {
 fn files_that_are_cut_or_changed_are_refused() {
     let folder = Folder::new("mcap-cut");
     for form in Form::ALL {
-        let whole = bytes(&MadeUp::new(2), form);
+        let whole = bytes(&SyntheticRecording::new(2), form);
         // What follows the data is not needed.
         for length in (0..whole.len() - BEHIND_DATA).step_by(whole.len() / 40) {
             let error = open(&folder, &whole[..length], &ReadOptions::default()).unwrap_err();
@@ -260,7 +260,7 @@ fn files_that_are_cut_or_changed_are_refused() {
             let _ = open(&folder, &changed, &ReadOptions::default());
         }
     }
-    let mut damaged = bytes(&MadeUp::new(2), Form::ALL[1]);
+    let mut damaged = bytes(&SyntheticRecording::new(2), Form::ALL[1]);
     let middle = damaged.len() / 2;
     damaged[middle] ^= 1;
     let error = open(&folder, &damaged, &ReadOptions::default()).unwrap_err();
@@ -283,10 +283,10 @@ fn content(folder: &Folder, bytes: &[u8]) -> Result<String, String> {
 }
 
 /// Two frames of a few pixels.
-fn tiny() -> MadeUp {
+fn tiny() -> SyntheticRecording {
     let camera = Intrinsics::pinhole(8, 6, DVec2::splat(7.5), DVec2::new(3.5, 2.5)).unwrap();
-    let poses = MadeUp::new(2).poses;
-    MadeUp { camera, poses, images: vec![(300..348).collect(), (310..358).collect()] }
+    let poses = SyntheticRecording::new(2).poses;
+    SyntheticRecording { camera, poses, images: vec![(300..348).collect(), (310..358).collect()] }
 }
 
 #[test]
@@ -362,7 +362,7 @@ fn topics_that_lack_or_are_several_are_named() {
     assert_parts(&without("no-camera", 0), &["there is no CameraInfo topic"]);
 
     // The colour topic carries depth as well.
-    let synthetic = MadeUp::new(3);
+    let synthetic = SyntheticRecording::new(3);
     let mut messages = messages(&synthetic, Form::PLAIN);
     let depths: Vec<Vec<u8>> =
         messages.iter().filter(|(of, _)| *of == 1).map(|(_, data)| data.clone()).collect();
@@ -414,7 +414,7 @@ fn messages_that_cannot_be_are_refused() {
 
 #[test]
 fn images_far_from_any_pose_are_left_out() {
-    let synthetic = MadeUp::new(3);
+    let synthetic = SyntheticRecording::new(3);
     let mut messages = messages(&synthetic, Form::PLAIN);
     let second = messages.iter().position(|(of, _)| *of == 2).unwrap() + 3;
     messages.remove(second);

@@ -1,6 +1,6 @@
 //! Files of another writer: the Python package `rosbags`, which knows ROS 2's messages by itself.
 
-use crate::synthetic::{Folder, MadeUp};
+use crate::synthetic::{Folder, SyntheticRecording};
 use nextview_checks::skipped;
 use nextview_recording::{ReadOptions, Recording};
 use std::process::Command;
@@ -11,7 +11,7 @@ fn bags_of_rosbags_read_as_the_folder_they_were_made_of() {
         let why = "NEXTVIEW_ROSBAGS_PYTHON names no Python with the packages rosbags, numpy and pillow";
         return skipped("bags_of_rosbags_read_as_the_folder_they_were_made_of", "rosbags", why);
     };
-    let synthetic = MadeUp::new(4);
+    let synthetic = SyntheticRecording::new(4);
     let folder = Folder::new("rosbags");
     synthetic.write_folder(&folder);
     let expected = folder.open().unwrap();

@@ -50,13 +50,13 @@ impl Drop for Folder {
 }
 
 /// What a camera saw: depth in millimetres, 0 where there is none, and the poses.
-pub struct MadeUp {
+pub struct SyntheticRecording {
     pub camera: Intrinsics,
     pub poses: Vec<Pose>,
     pub images: Vec<Vec<u16>>,
 }
 
-impl MadeUp {
+impl SyntheticRecording {
     /// Looks at a mug in a room.
     pub fn new(n: usize) -> Self {
         let camera = Intrinsics::pinhole(80, 60, DVec2::splat(75.0), DVec2::new(39.5, 29.5)).unwrap();

@@ -3,7 +3,7 @@
 use crate::mcap::{
     CAMERA, COLOR, COMPRESSED_DEPTH, Cdr, Form, POSES, TF, TF_STATIC, assert_parts, file, messages, open,
 };
-use crate::synthetic::{Folder, MadeUp, png};
+use crate::synthetic::{Folder, SyntheticRecording, png};
 use glam::{DQuat, DVec3};
 use nextview::geometry::Pose;
 use nextview_recording::{ReadOptions, Recording};
@@ -34,7 +34,7 @@ fn lens() -> Pose {
 
 /// The recording with an arm that moves through each pose at the time of the image, half way between two
 /// transforms.
-fn with_transforms(synthetic: &MadeUp) -> Messages {
+fn with_transforms(synthetic: &SyntheticRecording) -> Messages {
     let mut all = messages(synthetic, Form::PLAIN);
     all.retain(|(topic, _)| *topic != POSES);
     all.push((TF_STATIC, transforms(&[(0.0, "map", "base", base()), (0.0, "flange", "camera", lens())])));
@@ -51,7 +51,7 @@ fn with_transforms(synthetic: &MadeUp) -> Messages {
 }
 
 fn error(folder: &str, options: &ReadOptions, change: impl Fn(&mut Messages)) -> String {
-    let mut messages = with_transforms(&MadeUp::new(3));
+    let mut messages = with_transforms(&SyntheticRecording::new(3));
     change(&mut messages);
     let folder = Folder::new(&format!("transforms-{folder}"));
     open(&folder, &file(Form::PLAIN, &messages), options).unwrap_err()
@@ -72,7 +72,7 @@ fn assert_poses(recording: &Recording, expected: impl Iterator<Item = Pose>) {
 
 #[test]
 fn poses_are_found_through_the_arm_at_the_time_of_the_image() {
-    let synthetic = MadeUp::new(4);
+    let synthetic = SyntheticRecording::new(4);
     let folder = Folder::new("transforms-arm");
     let bytes = file(Form::ALL[2], &with_transforms(&synthetic));
     let recording = open(&folder, &bytes, &ReadOptions::default()).unwrap();
@@ -84,7 +84,7 @@ fn poses_are_found_through_the_arm_at_the_time_of_the_image() {
 
 #[test]
 fn a_topic_of_poses_goes_first_unless_a_frame_is_named() {
-    let synthetic = MadeUp::new(3);
+    let synthetic = SyntheticRecording::new(3);
     let mut all = with_transforms(&synthetic);
     all.extend(messages(&synthetic, Form::PLAIN).into_iter().filter(|(topic, _)| *topic == POSES));
     let folder = Folder::new("transforms-both");
@@ -122,7 +122,7 @@ fn what_is_missing_between_the_frames_is_named() {
 
 #[test]
 fn images_outside_the_times_of_the_transforms_are_left_out_and_wrong_transforms_noted() {
-    let synthetic = MadeUp::new(4);
+    let synthetic = SyntheticRecording::new(4);
     let mut all = with_transforms(&synthetic);
     // The two transforms around the last image came first.
     all.drain(..2);
@@ -155,7 +155,7 @@ fn compressed(topic: u16, time: f64, format: &str, data: &[u8]) -> (u16, Vec<u8>
 
 #[test]
 fn compressed_images_are_read_and_colours_where_they_are_wanted() {
-    let synthetic = MadeUp::new(3);
+    let synthetic = SyntheticRecording::new(3);
     let mut all = with_transforms(&synthetic);
     let plain_folder = Folder::new("transforms-plain");
     let plain = open(&plain_folder, &file(Form::PLAIN, &all), &ReadOptions::default()).unwrap();

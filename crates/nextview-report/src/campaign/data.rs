@@ -2,6 +2,7 @@
 
 use super::data_file::DataFile;
 use super::document::{Block, Cell, Document, Table};
+use nextview_scan::files::csv_field;
 use std::collections::BTreeMap;
 
 /// The files by name, with the columns that identify a row and those of its values.
@@ -114,12 +115,8 @@ fn table(block: &Block) -> Option<&Table> {
     }
 }
 
-/// A line of CSV as in RFC 4180, but with a plain line feed. A dash on the page is nothing here.
+/// A line of CSV with a plain line feed. A dash on the page is an empty field.
 fn line<'a>(fields: impl IntoIterator<Item = &'a str>) -> String {
-    let field = |text: &str| match text {
-        "–" => String::new(),
-        text if text.contains([',', '"', '\n', '\r']) => format!("\"{}\"", text.replace('"', "\"\"")),
-        text => text.to_owned(),
-    };
+    let field = |text: &'a str| if text == "–" { "".into() } else { csv_field(text) };
     fields.into_iter().map(field).collect::<Vec<_>>().join(",") + "\n"
 }

@@ -11,7 +11,7 @@ use nextview_report::{ViewPicture, live, summary, summary_text};
 use nextview_scan::{BoxRule, OtherBodyRecord, ScanRecord, TableRule};
 use serde_json::Value;
 use std::collections::HashSet;
-use synthetic::{MadeUp, scan};
+use synthetic::{SyntheticRecording, scan};
 use walls::{scene, walls};
 
 /// Writes the page for inspection, and prints its path.
@@ -88,7 +88,7 @@ fn a_scan_under_way_is_a_page() {
         );
     }
     assert!(scan(0, 64).page().contains("No view was taken.</p>"));
-    let scan = MadeUp { record: ScanRecord::default(), ..scan(0, 64) };
+    let scan = SyntheticRecording { record: ScanRecord::default(), ..scan(0, 64) };
     assert!(scan.page().contains("No view was taken yet.</p>"));
 }
 
@@ -170,7 +170,7 @@ fn a_huge_cloud_stays_below_3_mb() {
 
 #[test]
 fn a_scan_that_stops_early_is_compared_with_as_many_views() {
-    let MadeUp { mut record, config, .. } = scan(4, 64);
+    let SyntheticRecording { mut record, config, .. } = scan(4, 64);
     assert!(record.stop_reason.is_some());
     record.random_curve = Some(vec![0.1, 0.2, 0.3, 0.4, 0.5]);
     record.clairvoyant_curve = Some(vec![0.5, 0.6, 0.7, 0.8, 0.9]);
@@ -182,7 +182,7 @@ fn a_scan_that_stops_early_is_compared_with_as_many_views() {
 
 #[test]
 fn the_summary_names_what_is_known() {
-    let MadeUp { mut record, mut config, .. } = scan(4, 64);
+    let SyntheticRecording { mut record, mut config, .. } = scan(4, 64);
     let text = summary_text(&record, &config);
     let labels: Vec<&str> = text.lines().map(|line| line[..22].trim_end()).collect();
     let expected = [

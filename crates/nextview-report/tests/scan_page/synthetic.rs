@@ -12,7 +12,7 @@ const N_CANDIDATES: usize = 64;
 const CENTER: DVec3 = DVec3::new(0.0, 0.0, 0.09);
 
 /// All that the page shows.
-pub struct MadeUp {
+pub struct SyntheticRecording {
     pub record: ScanRecord,
     pub config: ScanConfig,
     pub depths: Vec<DepthImage>,
@@ -23,7 +23,7 @@ pub struct MadeUp {
     pub config_text: String,
 }
 
-impl MadeUp {
+impl SyntheticRecording {
     /// The page, with as many pictures as there are depth images.
     pub fn page(&self) -> String {
         let parts = self.depths.iter().zip(&self.points).zip(&self.paths);
@@ -47,7 +47,7 @@ impl MadeUp {
 }
 
 /// A scan of `n_views` views of `width` x `width * 3 / 4` pixels.
-pub fn scan(n_views: usize, width: u32) -> MadeUp {
+pub fn scan(n_views: usize, width: u32) -> SyntheticRecording {
     let candidates: Vec<DVec3> =
         (0..N_CANDIDATES).map(|i| CENTER + 0.42 * fibonacci_hemisphere(i, N_CANDIDATES)).collect();
     let camera = camera(width);
@@ -64,7 +64,7 @@ pub fn scan(n_views: usize, width: u32) -> MadeUp {
         peak_memory_mb: Some(79.0),
         ..ScanRecord::default()
     };
-    let mut made = MadeUp {
+    let mut made = SyntheticRecording {
         record,
         config,
         depths: Vec::new(),
@@ -136,7 +136,7 @@ fn look_at_center(eye: DVec3) -> Pose {
 }
 
 /// Takes this view.
-fn take(made: &mut MadeUp, view: usize, seen: &mut HashSet<IVec3>) {
+fn take(made: &mut SyntheticRecording, view: usize, seen: &mut HashSet<IVec3>) {
     let pose = look_at_center(made.candidates[view]);
     let camera = made.config.camera;
     let mut depth = Vec::new();

@@ -94,8 +94,8 @@ impl LiveScan {
         journal: Option<ScanJournal>,
         cancel: Cancel,
     ) -> Result<Self, Faults> {
-        let begin = RunOptions { journal, cancel: cancel.clone() };
-        let run = ScanRun::of_session(camera.session(&config)?, &config, begin)?;
+        let options = RunOptions { journal, cancel: cancel.clone() };
+        let run = ScanRun::of_session(camera.session(&config)?, &config, options)?;
         let (damage, fingerprints, poses, is_closed) = Default::default();
         Ok(Self { camera, config, run, cancel, damage, fingerprints, poses, is_closed })
     }

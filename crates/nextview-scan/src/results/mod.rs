@@ -7,7 +7,7 @@ mod saved_map;
 #[cfg(feature = "simulated")]
 mod saved_model;
 
-use crate::files::{Overwrite, ResultFolder, numbered};
+use crate::files::{Overwrite, ResultFolder, csv_field, numbered};
 use crate::journal::Occupant;
 use crate::run::{Measured, ScanState};
 use crate::{Fault, FaultKind, Faults, ScanConfig, ScanJournal, ScanRecord, StepRecord, short_name};
@@ -213,7 +213,7 @@ fn write_views(writer: &mut Vec<u8>, steps: &[StepRecord]) -> Result<(), Fault> 
 fn write_waypoints(writer: &mut Vec<u8>, scan: &ScanState<'_>) -> Result<(), Fault> {
     let names = scan.joint_trajectories.iter().flatten().next().map_or(&[][..], |joints| &joints.names);
     write!(writer, "step,time_s,x_m,y_m,z_m,qx,qy,qz,qw")?;
-    names.iter().try_for_each(|name| write!(writer, ",{}", quoted(name)))?;
+    names.iter().try_for_each(|name| write!(writer, ",{}", csv_field(name)))?;
     writeln!(writer)?;
     let motions = scan.trajectories.iter().zip(&scan.joint_trajectories);
     for (step, (trajectory, joints)) in scan.steps.iter().zip(motions) {
@@ -227,14 +227,6 @@ fn write_waypoints(writer: &mut Vec<u8>, scan: &ScanState<'_>) -> Result<(), Fau
         }
     }
     Ok(())
-}
-
-/// Quotes a name for a CSV cell.
-fn quoted(name: &str) -> String {
-    match name.contains([',', '"', '\n']) {
-        true => format!("\"{}\"", name.replace('"', "\"\"")),
-        false => name.to_owned(),
-    }
 }
 
 /// Position and quaternion, separated by commas.

@@ -149,7 +149,7 @@ impl<'a> ScanRun<'a> {
         run.scan.earlier = earlier;
         run.time_limit = config.time_limit_s.map(Duration::try_from_secs_f64).and_then(Result::ok);
         run.scan.journal = options.journal;
-        run.scan.stated = ScanFacts::of(config);
+        run.scan.facts = ScanFacts::of(config);
         run.turntable = config.turntable;
         run.arm = config.robot.as_ref().map(ScanArm::of_config).transpose()?;
         Ok(run)
@@ -329,7 +329,7 @@ impl<'a> ScanRun<'a> {
     fn warning(&self) -> Option<String> {
         let suspicion =
             (self.scan.steps.len() < MOST_SUSPECTED).then(|| self.scan.session.suspicion()).flatten()?;
-        let warning = warning(&suspicion, &self.scan.stated);
+        let warning = warning(&suspicion, &self.scan.facts);
         self.scan.steps.iter().all(|step| step.warning.as_ref() != Some(&warning)).then_some(warning)
     }
 

@@ -27,7 +27,7 @@ pub struct ScanState<'a> {
     /// The scan before the object was turned.
     pub(crate) earlier: Option<EarlierScan>,
     /// What the configuration states about the frames.
-    pub(crate) stated: ScanFacts,
+    pub(crate) facts: ScanFacts,
     /// For each step, the requested view; `None` if its frame was not requested.
     pub(crate) requested: Vec<Option<NextView>>,
     /// The trajectory from the preceding view to each view.
@@ -72,7 +72,7 @@ impl ScanState<'_> {
             evaluator: None,
             journal: None,
             earlier: None,
-            stated: ScanFacts::default(),
+            facts: ScanFacts::default(),
             requested: Vec::new(),
             trajectories: Vec::new(),
             joint_trajectories: Vec::new(),
@@ -265,7 +265,7 @@ impl ScanState<'_> {
     /// The fault of a scan with no object in its first frame.
     fn no_object(&self) -> Fault {
         let first = self.session.frames().first();
-        let key = |key: &str| self.stated.section.map(|section| format!("`{section}.{key}`"));
+        let key = |key: &str| self.facts.section.map(|section| format!("`{section}.{key}`"));
         if let Some(height) = self.table().zip(first).and_then(|(table, frame)| middle_height(table, frame)) {
             let message = format!(
                 "the first frame shows no object above the table, so there is nothing to plan for; 95 % of \
@@ -378,8 +378,8 @@ mod tests {
         let views = ViewSpace::new(vec![pose]).unwrap();
         let mut session = Session::new(config, camera, views, Box::new(RandomViews { seed: 0 })).unwrap();
         session.observe(&Frame::new(image, camera, pose, 1.0).unwrap()).unwrap();
-        let stated = ScanFacts { section, ..ScanFacts::default() };
-        let scan = ScanState { stated, ..ScanState::new(session) };
+        let facts = ScanFacts { section, ..ScanFacts::default() };
+        let scan = ScanState { facts, ..ScanState::new(session) };
         scan.model(ModelConfig::default()).map(drop).unwrap_err()
     }
 

@@ -4,9 +4,9 @@ use nextview::sensor::CameraAxes;
 use nextview_recording::{PoseDirection, ReadOptions};
 
 /// The suspicion and its remedy; for recorded frames, by configuration keys.
-pub(super) fn warning(suspicion: &Suspicion, stated: &ScanFacts) -> String {
+pub(super) fn warning(suspicion: &Suspicion, facts: &ScanFacts) -> String {
     let remedy = match suspicion {
-        Suspicion::Misread(reading) => match stated.read.as_ref().and_then(|read| of_key(*reading, read)) {
+        Suspicion::Misread(reading) => match facts.read.as_ref().and_then(|read| of_key(*reading, read)) {
             Some(Advice::Try(value)) => format!("try {value}"),
             Some(Advice::LeaveOut(what, key)) => {
                 return format!("the poses look like {what}: leave out `{key}`");
@@ -20,14 +20,14 @@ pub(super) fn warning(suspicion: &Suspicion, stated: &ScanFacts) -> String {
             "choose views within the camera's range".to_owned()
         }
         Suspicion::Apart { .. } => "`registration.enabled` = true aligns frames to each other".to_owned(),
-        Suspicion::Boundless if stated.has_table => {
+        Suspicion::Boundless if facts.has_table => {
             "check the poses and the table that was found, or state the object's box".to_owned()
         }
         Suspicion::Boundless => {
             "with correct poses, `object_box.table` = fit finds a table or floor; or state the object's box"
                 .to_owned()
         }
-        Suspicion::Elsewhere { .. } if stated.read.is_some() => {
+        Suspicion::Elsewhere { .. } if facts.read.is_some() => {
             "`recording.box_m` is in the coordinates of the poses, in metres".to_owned()
         }
         Suspicion::Elsewhere { .. } => "the box is in the coordinates of the poses, in metres".to_owned(),

@@ -49,7 +49,7 @@ impl OccupancyMap {
                     "a finite number",
                 ));
             }
-            if key.abs().max_element() > Lattice::REACH || key.min_element() == i32::MIN {
+            if key.min_element() < -Lattice::REACH || key.max_element() > Lattice::REACH {
                 return Err(Error::invalid("voxel key", key, "at most 268435456 voxels from the origin"));
             }
             map.set(key, value);
@@ -176,6 +176,18 @@ mod tests {
                 prop_assert_eq!(p, value.map_or(0.5, |value| value.probability() as f32));
             }
         }
+    }
+
+    #[test]
+    fn only_finite_values_within_reach_are_taken() {
+        let lattice = Lattice::new(0.01).unwrap();
+        let of = |key, value| {
+            OccupancyMap::from_voxels(lattice, SensorModel::default(), [(key, LogOdds(value))]).is_ok()
+        };
+        let far = IVec3::new(0, Lattice::REACH, 0);
+        assert!(of(IVec3::ZERO, -0.4) && of(far, 0.8) && of(-far, 0.8));
+        assert!(!of(far + 1, 0.8) && !of(-far - 1, 0.8) && !of(IVec3::MIN, 0.8) && !of(IVec3::MAX, 0.8));
+        assert!(!of(IVec3::ZERO, f32::NAN) && !of(IVec3::ZERO, f32::INFINITY));
     }
 
     #[test]

@@ -17,6 +17,9 @@ mod surface_noise;
 #[cfg(test)]
 pub(crate) mod synthetic;
 
+#[cfg(test)]
+use crate::geometry::Pose;
+
 pub use camera_axes::CameraAxes;
 pub use color_image::ColorImage;
 pub use depth_image::{Depth, DepthImage};

@@ -1,7 +1,6 @@
-//! Synthetic frames for tests.
+//! Synthetic frames for tests, here and in `nextview-model`.
 
-use super::{DepthImage, Frame, Intrinsics};
-use crate::geometry::Pose;
+use super::{DepthImage, Frame, Intrinsics, Pose};
 use glam::DVec2;
 
 /// A frame of a ball at the origin.

@@ -5,8 +5,8 @@ use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
 /// Thins a cloud to the mean of the points in each cube with edges of `cell` metres (at least 0.0001), in the
-/// order in which the cubes were first met. Points that are not finite are skipped. To merge many frames,
-/// chain their points.
+/// order in which the cubes were first met. Points that are not finite, or more than [`Lattice::REACH`] cubes
+/// from the origin along an axis, are skipped. To merge many frames, chain their points.
 ///
 /// Normal and colour are means over the points that have one; if no point has one, or normals cancel out, the
 /// result has none. [`MeasuredCells`](super::MeasuredCells) gives the expected error.
@@ -34,7 +34,11 @@ pub fn downsample_counted(
     let lattice = Lattice::new(cell)?;
     let mut slots: FxHashMap<IVec3, usize> = FxHashMap::default();
     let mut pools: Vec<CubePool> = Vec::new();
-    for point in points.into_iter().map(Into::into).filter(|point| point.position.is_finite()) {
+    let is_near = |point: &CloudPoint| {
+        let cubes = lattice.to_voxels(point.position).abs();
+        cubes.is_finite() && cubes.max_element() <= f64::from(Lattice::REACH)
+    };
+    for point in points.into_iter().map(Into::into).filter(is_near) {
         let slot = *slots.entry(lattice.key(point.position)).or_insert(pools.len());
         if slot == pools.len() {
             pools.push(CubePool::default());
@@ -112,6 +116,7 @@ mod tests {
         let none: [DVec3; 0] = [];
         assert_eq!(downsample(none, 0.1).unwrap(), []);
         assert_eq!(downsample([DVec3::NAN, DVec3::INFINITY], 0.1).unwrap(), []);
+        assert_eq!(downsample([DVec3::splat(1e300), DVec3::splat(f64::MAX)], 0.1).unwrap(), []);
         assert!(downsample(none, 0.0).is_err());
     }
 

@@ -1,4 +1,4 @@
-// A function that fetches the whole picture of a small one, as an address of data; none if there is no server.
+// Fetches the full-size picture of a thumbnail as a data URL; `null` if there is no server.
 let wholePicture = null;
 
 // Pictures of the views, enlarged in a dialog; also without WebGL.

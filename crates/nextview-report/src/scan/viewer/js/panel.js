@@ -80,7 +80,7 @@ function startPanel(view) {
   return update;
 }
 
-// Starts the 3D view; none if the browser cannot draw it.
+// Starts the 3D view; `null` if the browser cannot draw it.
 function startScene() {
   const canvas = byId("canvas");
   const gl = startGl(canvas);
