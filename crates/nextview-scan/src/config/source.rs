@@ -77,7 +77,7 @@ impl SourceConfig {
     /// The fault of two sources.
     pub(super) fn two() -> Fault {
         let fault = Fault::request("frames are either recorded or come from a user's camera");
-        fault.with_remedy("leave out `recording` or `live`")
+        Fault { key: Some("live".to_owned()), ..fault }.with_remedy("leave out `recording` or `live`")
     }
 }
 

@@ -306,7 +306,7 @@ fn a_scan_has_one_source_of_frames() {
     assert_eq!(
         faults("views = 2.5\n[recording]\n[live]\nmin_depth_m = -1\n"),
         [
-            "0:0 frames are either recorded or come from a user's camera (leave out `recording` or `live`)",
+            "3:2 frames are either recorded or come from a user's camera (leave out `recording` or `live`)",
             "1:1 `views` is 2.5, expected a whole number, at least 0",
             "4:1 `live.min_depth_m` is -1, expected 0 or a positive number of metres",
         ]
