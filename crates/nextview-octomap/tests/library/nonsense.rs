@@ -19,8 +19,8 @@ fn keys() -> impl Strategy<Value = Vec<IVec3>> {
 
 fn reads_back(tree: &Octree) -> Result<(), TestCaseError> {
     let mut file = Vec::new();
-    tree.write_ot(&mut file).unwrap();
-    prop_assert_eq!(&Octree::read(&file[..]).unwrap(), tree);
+    tree.write_ot(&mut file).expect("memory takes every byte");
+    prop_assert_eq!(&Octree::read(&file[..]).expect("what was written is read"), tree);
     Ok(())
 }
 
