@@ -97,7 +97,6 @@ fn wrong_poses_are_found_out_in_spite_of_noise() {
 /// centimetre, but for the first one's if that is said to be right. The last frame meets the first again.
 struct Loop {
     truths: Vec<Pose>,
-    given: Vec<Pose>,
     /// As each frame was aligned to those before it.
     placed: Vec<Pose>,
     realigned: Vec<Pose>,
@@ -115,7 +114,7 @@ fn close_loop(seed: u64, first_pose_is_right: bool) -> Loop {
     let config =
         RegistrationConfig { given_poses: given_poses(first_pose_is_right), ..RegistrationConfig::default() };
     let mut known = KnownSurface::new(config).unwrap();
-    let (mut truths, mut given, mut placed) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut truths, mut placed) = (Vec::new(), Vec::new());
     for i in 0..12 {
         let angle = TAU * i as f64 / 12.0;
         let position = center + 0.4 * DVec3::new(angle.cos(), angle.sin(), 0.5);
@@ -124,22 +123,22 @@ fn close_loop(seed: u64, first_pose_is_right: bool) -> Loop {
         if i > 0 || !first_pose_is_right {
             frame = displaced(&frame, 0.01, 0.02, &mut random);
         }
-        given.push(frame.world_from_camera());
+        let given = frame.world_from_camera();
         if i > 0 {
             let found = known.register(&frame, bounds, never).unwrap();
             frame = frame.with_pose(found.world_from_camera);
         }
         placed.push(frame.world_from_camera());
-        known.add(&frame, &given[i], bounds, never).unwrap();
+        known.add(&frame, &given, bounds, never).unwrap();
     }
-    let realigned = known.realign(never).unwrap().unwrap_or(placed.clone());
-    Loop { truths, given, placed, realigned, center }
+    let realigned = known.realign(bounds, never).unwrap().unwrap().poses;
+    Loop { truths, placed, realigned, center }
 }
 
 #[test]
 fn frames_around_an_object_share_the_error_of_the_loop() {
     for seed in [1, 5, 7] {
-        let Loop { truths, placed, realigned, center, .. } = close_loop(seed, true);
+        let Loop { truths, placed, realigned, center } = close_loop(seed, true);
         let worst = |poses: &[Pose]| {
             let errors = poses.iter().zip(&truths).map(|(pose, truth)| error(pose, truth, center).0);
             errors.fold(0.0, f64::max)
@@ -154,10 +153,10 @@ fn frames_around_an_object_share_the_error_of_the_loop() {
 /// Errors of given poses cancel out where none of them is trusted more than the others: each is turned by up
 /// to 2 degrees, and all together by much less.
 #[test]
-fn all_frames_together_lie_where_the_given_poses_say_on_average() {
+fn all_frames_together_lie_where_the_given_poses_most_likely_are() {
     let (mut by_first, mut by_all, mut turned) = (0.0, 0.0, 0.0);
     for seed in 1..9 {
-        let Loop { truths, given, placed, realigned, center } = close_loop(seed, false);
+        let Loop { truths, placed, realigned, center } = close_loop(seed, false);
         let off = |poses: &[Pose], from: &[Pose]| {
             let shifts = poses
                 .iter()
@@ -165,7 +164,6 @@ fn all_frames_together_lie_where_the_given_poses_say_on_average() {
                 .map(|(pose, from)| (*pose * from.inverse()).transform_point(center) - center);
             shifts.sum::<DVec3>() / poses.len() as f64
         };
-        assert!(off(&realigned, &given).length() < 0.5 * VOXEL_SIZE, "{}", off(&realigned, &given));
         let turns = realigned.iter().zip(&truths).map(|(pose, truth)| error(pose, truth, center).1);
         let mean_turn = turns.sum::<f64>() / truths.len() as f64;
         assert!(mean_turn < 0.015, "object {seed}: {mean_turn}");

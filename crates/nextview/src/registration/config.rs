@@ -45,7 +45,7 @@ pub struct RegistrationConfig {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum GivenPoses {
-    /// Each has its own error: together, the frames lie where the given poses put them on average.
+    /// Each has its own error, and all share another: the frames lie where this is most likely.
     #[default]
     Independent,
     /// The first pose is exact: its frame defines the world.

@@ -1,17 +1,18 @@
 //! Alignment of all frames to each other at once.
 //!
 //! Frames aligned one after another accumulate errors: where the last one meets the first, around the object,
-//! their surfaces are apart. Here, the pairs of every two frames are residuals of one least-squares problem
-//! whose unknowns are the poses of all frames but the first (multi-view registration, Pulli 1999; a pose
-//! graph whose edges are the point pairs).
+//! their surfaces are apart. Here, the pairs of every two frames and the given poses are residuals of one
+//! least-squares problem whose unknowns are the poses of all frames and the error that the given poses share
+//! (multi-view registration, Pulli 1999; a pose graph whose edges are the point pairs).
 
-use super::camera::FrameCamera;
+use super::SearchReach;
+use super::joint_equations::JointEquations;
 use super::pair::Pair;
 use super::point_tree::PointTree;
+use super::pose_prior::PosePrior;
 use super::surface_points::SurfacePoint;
-use crate::geometry::{Pose, solve};
+use crate::geometry::{Aabb, Pose};
 use crate::{Cancel, Cancelled};
-use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
 /// Maximum number of points of a frame, evenly chosen, that are paired with each other frame.
@@ -20,11 +21,22 @@ const MOST_POINTS: usize = 400;
 /// The weight of a pair falls to a quarter where the residual is this share of the reach.
 const SCALE: f64 = 1.0 / 3.0;
 
-/// Maximum number of steps; each searches for pairs again.
-const MAX_STEPS: usize = 10;
+/// The reach after a step, as a share of the reach before.
+const NARROWING: f64 = 0.7;
 
-/// Iteration ends when a step moves points by less than this share of the reach.
+/// Maximum number of steps; each searches for pairs again.
+const MAX_STEPS: usize = 20;
+
+/// Iteration ends when a step moves points by less than this share of the last reach.
 const SMALL_STEP: f64 = 5e-3;
+
+/// Share of the pairs that count as independent: neighbouring points share their errors of depth, and a point
+/// has pairs in several frames.
+const INDEPENDENT: f64 = 0.05;
+
+/// Smallest deviation of a residual, as a share of the last reach: exact surfaces still differ by how they
+/// are sampled.
+const LEAST_NOISE: f64 = 0.01;
 
 /// The surface shown by a frame, and its poses.
 #[derive(Clone, Debug)]
@@ -33,69 +45,43 @@ pub(super) struct JointView {
     points: Vec<SurfacePoint>,
     /// Search tree of the same points.
     tree: PointTree,
-    /// The pose in which the frame was added. Directions in which nothing holds it keep this pose.
-    anchor: Pose,
     pub pose: Pose,
-    /// The pose given with the frame.
-    given: Pose,
-    camera: FrameCamera,
+    /// The given pose, which the prior is about.
+    pub given: Pose,
 }
 
 impl JointView {
-    /// Returns the view of a camera that shows these points, in its own frame, and its given pose; unless
-    /// cancelled.
+    /// Returns the view of a camera in a pose that shows these points, in its own frame, and its given pose;
+    /// unless cancelled.
     pub fn new(
         points: Vec<SurfacePoint>,
-        camera: FrameCamera,
+        pose: Pose,
         given: Pose,
         cancel: &Cancel,
     ) -> Result<Self, Cancelled> {
-        let (tree, pose) = (PointTree::new(&points, cancel)?, camera.pose());
-        Ok(Self { points, tree, anchor: pose, pose, given, camera })
+        let tree = PointTree::new(&points, cancel)?;
+        Ok(Self { points, tree, pose, given })
     }
 
-    /// Returns its camera in the current pose.
-    pub fn camera(&self) -> FrameCamera {
-        self.camera.at(self.pose)
-    }
-
-    /// Moves the view and its anchor.
-    pub fn move_by(&mut self, motion: &Pose) {
-        (self.pose, self.anchor) = (*motion * self.pose, *motion * self.anchor);
-    }
-
-    /// Returns some of its points, evenly chosen, in the current and in the given pose.
-    pub fn placed_and_given(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
-        self.some_points()
-            .map(|point| self.found_and_given().map(|pose| pose.transform_point(point.position)))
-    }
-
-    /// Returns the current and the given pose.
-    pub fn found_and_given(&self) -> [Pose; 2] {
-        [self.pose, self.given]
-    }
-
-    /// Returns the points in the world frame.
-    pub fn world_points(&self) -> impl Iterator<Item = SurfacePoint> + '_ {
-        self.points.iter().map(|point| point.moved(&self.pose))
-    }
-
-    /// Returns the motion of its points since `before`, root mean square, metres.
-    pub fn moved_from(&self, before: &JointView) -> f64 {
+    /// Returns how far its points in the box are from where another pose puts them, root mean square, metres.
+    pub fn moved_from(&self, pose: &Pose, bounds: Aabb) -> f64 {
+        let points = self.some_points(bounds);
         let moved = |point: &SurfacePoint| {
-            let [now, then] = [self, before].map(|view| view.pose.transform_point(point.position));
+            let [now, then] = [self.pose, *pose].map(|pose| pose.transform_point(point.position));
             now.distance_squared(then)
         };
-        let n = self.some_points().count().max(1) as f64;
-        (self.some_points().map(moved).sum::<f64>() / n).sqrt()
+        (points.iter().map(moved).sum::<f64>() / points.len().max(1) as f64).sqrt()
     }
 
-    fn some_points(&self) -> impl Iterator<Item = &SurfacePoint> {
-        self.points.iter().step_by(self.points.len().div_ceil(MOST_POINTS).max(1))
+    /// Returns some of its points in the box, evenly chosen.
+    fn some_points(&self, bounds: Aabb) -> Vec<SurfacePoint> {
+        let is_in = |point: &&SurfacePoint| bounds.contains(self.pose.transform_point(point.position));
+        let inside: Vec<_> = self.points.iter().filter(is_in).copied().collect();
+        inside.iter().step_by(inside.len().div_ceil(MOST_POINTS).max(1)).copied().collect()
     }
 
-    /// Returns the pairs of another view's points with the surface of this one, in the world frame.
-    fn pairs(&self, other: &JointView, reach: f64) -> Vec<Pair> {
+    /// Returns the pairs of points of another view with the surface of this one, in the world frame.
+    fn pairs(&self, other: &JointView, points: &[SurfacePoint], reach: f64) -> Vec<Pair> {
         let here_from_other = self.pose.inverse() * other.pose;
         let pair = |point: &SurfacePoint| {
             let point = point.moved(&here_from_other);
@@ -107,127 +93,179 @@ impl JointView {
                 normal: self.pose.rotation() * normal,
             })
         };
-        other.some_points().filter_map(pair).collect()
+        points.iter().filter_map(pair).collect()
     }
 }
 
-/// Moves all views but the first so that their surfaces fit together, within `reach` metres. A view does not
-/// move in directions with less than `min_stiffness`; see [`stiffness`](super::Registration::stiffness).
+/// Moves all views to their most likely poses, given what they show in the box (world coordinates) and the
+/// prior of their poses, whose shared error is found as well.
 pub(super) fn align(
     views: &mut [JointView],
-    reach: f64,
-    min_stiffness: f64,
+    prior: &mut PosePrior,
+    bounds: Aabb,
+    reach: SearchReach,
     cancel: &Cancel,
 ) -> Result<(), Cancelled> {
+    let points: Vec<_> = views.iter().map(|view| view.some_points(bounds)).collect();
+    let mut distance = reach.first;
+    let mut both: Vec<[usize; 2]> = (0..views.len())
+        .flat_map(|i| (0..views.len()).map(move |j| [i, j]))
+        .filter(|[i, j]| i != j)
+        .collect();
     for _ in 0..MAX_STEPS {
-        let size = step(views, reach, min_stiffness, cancel)?;
-        if size < SMALL_STEP * reach {
+        let pairs = both
+            .par_iter()
+            .map(|&[i, j]| cancel.check().map(|()| views[i].pairs(&views[j], &points[j], distance)));
+        let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
+        let scale = SCALE * distance;
+        let mut equations = JointEquations::new(views.len(), pairs.iter().flatten());
+        let certainty = INDEPENDENT / noise_variance(pairs.iter().flatten(), scale, LEAST_NOISE * reach.last);
+        for ([i, j], pairs) in both.iter().zip(&pairs) {
+            pairs.iter().for_each(|pair| equations.add_pair(*i, *j, pair, certainty * pair.weight(scale)));
+        }
+        for (number, view) in views.iter().enumerate() {
+            equations.add_pose(number, &view.pose, &view.given, prior);
+        }
+        equations.add_shared_error(prior);
+        let Some(step) = equations.solve() else { break };
+        for (number, (view, motion)) in views.iter_mut().zip(step.motions).enumerate() {
+            if !prior.is_exact(number) {
+                view.pose = motion * view.pose;
+            }
+        }
+        prior.given_from_camera = prior.given_from_camera * step.of_shared;
+        if distance <= reach.last && step.size < SMALL_STEP * reach.last {
             break;
         }
+        // What does not meet within this reach does not meet within a smaller one.
+        let mut has_pairs = pairs.iter().map(|pairs| !pairs.is_empty());
+        both.retain(|_| has_pairs.next().unwrap_or(false));
+        distance = (NARROWING * distance).max(reach.last);
     }
     Ok(())
 }
 
-/// Takes one Gauss-Newton step. Returns the largest motion of a view, metres.
-fn step(views: &mut [JointView], reach: f64, min_stiffness: f64, cancel: &Cancel) -> Result<f64, Cancelled> {
-    let n = views.len();
-    let both: Vec<[usize; 2]> =
-        (0..n).flat_map(|i| (0..n).map(move |j| [i, j])).filter(|[i, j]| i != j).collect();
-    let pairs = both.par_iter().map(|&[i, j]| cancel.check().map(|()| views[i].pairs(&views[j], reach)));
-    let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
-    let mut problem = StepEquations::new(views, pairs.iter().flatten());
-    for ([i, j], pairs) in both.iter().zip(&pairs) {
-        pairs.iter().for_each(|pair| problem.add(*i, *j, pair, SCALE * reach));
-    }
-    problem.hold(views, min_stiffness);
-    Ok(problem.solve(views))
-}
-
-/// The normal equations of a step. The unknowns of a view are a rotation about the common middle, times the
-/// radius, and a translation: six numbers in metres.
-struct StepEquations {
-    center: DVec3,
-    radius: f64,
-    /// Row by row, for all views but the first.
-    squares: Vec<f64>,
-    gradient: Vec<f64>,
-    /// By view, the sum of the weights of its pairs.
-    weights: Vec<f64>,
-}
-
-impl StepEquations {
-    fn new<'a>(views: &[JointView], pairs: impl Iterator<Item = &'a Pair> + Clone) -> Self {
-        let n = pairs.clone().count().max(1) as f64;
-        let center = pairs.clone().map(|pair| pair.point).sum::<DVec3>() / n;
-        let spread = pairs.map(|pair| pair.point.distance_squared(center)).sum::<f64>() / n;
-        let size = 6 * (views.len() - 1);
-        Self {
-            center,
-            radius: spread.sqrt().max(f64::MIN_POSITIVE.sqrt()),
-            squares: vec![0.0; size * size],
-            gradient: vec![0.0; size],
-            weights: vec![0.0; views.len()],
-        }
-    }
-
-    /// Adds the pair of a point of view `j` with the surface of view `i`.
-    fn add(&mut self, i: usize, j: usize, pair: &Pair, scale: f64) {
+/// Returns the variance of the residuals, square metres, with weights for this scale, at least that of a
+/// deviation of `least` metres.
+fn noise_variance<'a>(pairs: impl Iterator<Item = &'a Pair>, scale: f64, least: f64) -> f64 {
+    let add = |(squares, total): (f64, f64), pair: &Pair| {
         let weight = pair.weight(scale);
-        let turn = (pair.point - self.center).cross(pair.normal) / self.radius;
-        let along = [turn.x, turn.y, turn.z, pair.normal.x, pair.normal.y, pair.normal.z];
-        for (view, sign) in [(j, 1.0), (i, -1.0)] {
-            self.weights[view] += weight;
-            self.add_gradient(view, along.map(|value| sign * weight * pair.residual() * value));
-            for (other, other_sign) in [(j, 1.0), (i, -1.0)] {
-                self.add_squares(view, other, |row, column| {
-                    sign * other_sign * weight * along[row] * along[column]
-                });
-            }
+        (squares + weight * pair.residual().powi(2), total + weight)
+    };
+    let (squares, total) = pairs.fold((0.0, 0.0), add);
+    (squares / total.max(f64::MIN_POSITIVE)).max(least * least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::random::Random;
+    use crate::registration::RegistrationConfig;
+    use crate::view::look_at;
+    use glam::{DQuat, DVec3};
+    use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
+
+    /// Points of a pyramid, 80 mm wide and 40 mm high, that face the camera, in its frame, with noise. All
+    /// its sides are seen from above.
+    fn shown(world_from_camera: &Pose, noise: f64, random: &mut Random) -> Vec<SurfacePoint> {
+        let camera_from_world = world_from_camera.inverse();
+        let point = |_| {
+            let (up, across) = (random.unit(), random.range(-1.0, 1.0));
+            let side = DQuat::from_rotation_z(FRAC_PI_2 * random.index(4) as f64);
+            let position = side * (0.04 * DVec3::new(1.0 - up, (1.0 - up) * across, up));
+            let normal = side * DVec3::new(FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2);
+            let to_camera = world_from_camera.translation() - position;
+            let position = position + noise * random.normal() * normal;
+            (normal.dot(to_camera) > 0.05 * to_camera.length())
+                .then(|| SurfacePoint { position, normal }.moved(&camera_from_world))
+        };
+        (0..20_000).filter_map(point).collect()
+    }
+
+    fn moved(turn: DVec3, shift: DVec3) -> Pose {
+        Pose::new(DQuat::from_scaled_axis(turn), shift).unwrap()
+    }
+
+    /// Twelve views from near and far, with these errors of the given poses, and their true poses.
+    fn views(seed: u64, own: f64, shared: &Pose) -> (Vec<JointView>, Vec<Pose>) {
+        let mut random = Random::new(seed, 0);
+        let view = |i: usize| {
+            let (azimuth, up) = (2.4 * i as f64, [0.7, 1.0, 1.4][i % 3]);
+            let direction =
+                DVec3::new(azimuth.cos() * f64::cos(up), azimuth.sin() * f64::cos(up), f64::sin(up));
+            let truth = look_at([0.25, 0.4][i % 2] * direction, DVec3::ZERO).unwrap()
+                * moved(DVec3::Z * i as f64, DVec3::ZERO);
+            let error = moved(own / 0.4 * random.in_cube(), own * random.in_cube());
+            // The given pose is the true one without the shared error.
+            let given = truth * error * shared.inverse();
+            let points = shown(&truth, 2e-4, &mut random);
+            (JointView::new(points, given, given, &Cancel::default()).unwrap(), truth)
+        };
+        (0..12).map(view).unzip()
+    }
+
+    const BOUNDS: Aabb = Aabb { min: DVec3::splat(-0.1), max: DVec3::splat(0.1) };
+    const REACH: SearchReach = SearchReach { first: 0.04, last: 0.003 };
+
+    /// Returns the largest distance between where two lists of poses put corners of the box, metres.
+    fn apart(poses: &[Pose], truths: &[Pose]) -> f64 {
+        let off = |(pose, truth): (&Pose, &Pose)| {
+            let motion = *pose * truth.inverse();
+            let corners = Aabb::cube(DVec3::ZERO, 0.04).corners();
+            corners
+                .map(|corner| motion.transform_point(corner).distance(corner))
+                .into_iter()
+                .fold(0.0, f64::max)
+        };
+        poses.iter().zip(truths).map(off).fold(0.0, f64::max)
+    }
+
+    /// Moves poses so that the first is the true one.
+    fn as_first(poses: &[Pose], truths: &[Pose]) -> Vec<Pose> {
+        let motion = truths[0] * poses[0].inverse();
+        poses.iter().map(|pose| motion * *pose).collect()
+    }
+
+    #[test]
+    fn an_error_that_all_poses_share_is_found_with_their_own() {
+        for seed in 0..3 {
+            let shared = moved(DVec3::new(0.02, -0.01, 0.015), DVec3::new(0.004, -0.003, 0.005));
+            let (mut views, truths) = views(seed, 1e-3, &shared);
+            let mut prior = PosePrior::new(&RegistrationConfig::default());
+            align(&mut views, &mut prior, BOUNDS, REACH, &Cancel::default()).unwrap();
+            let poses: Vec<_> = views.iter().map(|view| view.pose).collect();
+            let off = apart(&as_first(&poses, &truths), &truths);
+            let left = shared.inverse() * prior.given_from_camera;
+            let turned = left.rotation().to_axis_angle().1;
+            println!(
+                "views {:.3} mm apart; shared error off by {:.3} mm, {:.3} degrees",
+                1e3 * off,
+                1e3 * left.translation().length(),
+                turned.to_degrees()
+            );
+            assert!(off < 3e-4 && left.translation().length() < 1e-3 && turned < 3e-3);
         }
     }
 
-    /// Pulls each view to its anchor, as strongly as a surface of this stiffness.
-    fn hold(&mut self, views: &[JointView], min_stiffness: f64) {
-        for (view, place) in views.iter().enumerate() {
-            let weight = (min_stiffness * self.weights[view]).max(f64::MIN_POSITIVE.sqrt());
-            let motion = place.pose * place.anchor.inverse();
-            let rotation = motion.rotation();
-            let turn = self.radius * (rotation * rotation.w.signum()).to_scaled_axis();
-            let shift = motion.transform_point(self.center) - self.center;
-            let moved = [turn.x, turn.y, turn.z, shift.x, shift.y, shift.z];
-            self.add_gradient(view, moved.map(|value| weight * value));
-            self.add_squares(view, view, |row, column| if row == column { weight } else { 0.0 });
-        }
+    #[test]
+    fn a_view_that_meets_no_other_moves_with_the_shared_error_only() {
+        let shared = moved(DVec3::ZERO, DVec3::new(0.003, 0.0, 0.004));
+        let (mut views, _) = views(5, 0.0, &shared);
+        let alone = JointView::new(Vec::new(), views[3].given, views[3].given, &Cancel::default()).unwrap();
+        views.push(alone);
+        let mut prior = PosePrior::new(&RegistrationConfig::default());
+        align(&mut views, &mut prior, BOUNDS, REACH, &Cancel::default()).unwrap();
+        let expected = views[3].given * prior.given_from_camera;
+        assert!(apart(&[views[12].pose], &[expected]) < 1e-6);
     }
 
-    fn add_gradient(&mut self, view: usize, values: [f64; 6]) {
-        if let Some(at) = (6 * view).checked_sub(6) {
-            (0..6).for_each(|row| self.gradient[at + row] += values[row]);
-        }
-    }
-
-    fn add_squares(&mut self, view: usize, other: usize, value: impl Fn(usize, usize) -> f64) {
-        let size = self.gradient.len();
-        if let (Some(top), Some(left)) = ((6 * view).checked_sub(6), (6 * other).checked_sub(6)) {
-            for row in 0..6 {
-                (0..6).for_each(|column| {
-                    self.squares[(top + row) * size + left + column] += value(row, column)
-                });
-            }
-        }
-    }
-
-    /// Moves the views. Returns the largest motion, metres.
-    fn solve(self, views: &mut [JointView]) -> f64 {
-        let Some(solution) = solve(self.squares, &self.gradient) else { return 0.0 };
-        let mut largest: f64 = 0.0;
-        for (view, step) in views[1..].iter_mut().zip(solution.chunks(6)) {
-            let (turn, shift) = (-DVec3::from_slice(step), -DVec3::from_slice(&step[3..]));
-            let turned = DQuat::from_scaled_axis(turn / self.radius);
-            let motion = Pose::new(turned, shift + self.center - turned * self.center);
-            view.pose = motion.expect("solutions of finite equations are finite") * view.pose;
-            largest = largest.max((turn.length_squared() + shift.length_squared()).sqrt());
-        }
-        largest
+    #[test]
+    fn an_exact_first_pose_stays_to_the_bit() {
+        let (mut views, _) = views(6, 1e-3, &Pose::IDENTITY);
+        let first = views[0].pose;
+        let given_poses = crate::registration::GivenPoses::FirstIsRight;
+        let mut prior = PosePrior::new(&RegistrationConfig { given_poses, ..RegistrationConfig::default() });
+        align(&mut views, &mut prior, BOUNDS, REACH, &Cancel::default()).unwrap();
+        assert_eq!(views[0].pose, first);
     }
 }

@@ -1,10 +1,10 @@
 use super::camera::FrameCamera;
 use super::fitting::{Fitting, PoseComparison};
-use super::gauge::motion_to_given;
 use super::icp::{SearchReach, pairs};
 use super::joint::{self, JointView};
 use super::pair::Pair;
 use super::point_tree::PointTree;
+use super::pose_prior::PosePrior;
 use super::surface_points::{SurfacePoint, surface_points};
 use super::{GivenPoses, Registration, RegistrationConfig};
 use crate::geometry::{Aabb, Lattice, Pose};
@@ -51,7 +51,21 @@ pub struct KnownSurface {
     pools: Vec<CellPool>,
     tree: PointTree,
     /// The views of the frames, in the order in which they were added.
-    views: Vec<JointView>,
+    views: Vec<KnownView>,
+    prior: PosePrior,
+}
+
+/// A frame that was added.
+#[derive(Clone, Debug)]
+struct KnownView {
+    joint: JointView,
+    camera: FrameCamera,
+    /// The points that are pooled, in the camera frame.
+    points: Vec<SurfacePoint>,
+    /// Edge of the cells of the view's own points, metres.
+    fine_spacing: f64,
+    /// The pose when frames were last far from where they had been.
+    far_pose: Pose,
 }
 
 /// Sums over the points of a cell.
@@ -62,11 +76,30 @@ struct CellPool {
     normal: DVec3,
 }
 
+/// Poses of all frames after they were aligned to each other.
+#[derive(Clone, Debug)]
+pub struct Realigned {
+    /// By frame, in the order in which they were added.
+    pub poses: Vec<Pose>,
+    /// Whether they moved points of an earlier frame by more than a tenth of a cell (root mean square) from
+    /// where they were when this was last so, or when the frame was added: by more than a map notices.
+    pub is_far: bool,
+}
+
 /// Final search distance for correspondences, in cells: twice the distance between neighbouring known points.
 const REACH_IN_CELLS: f64 = 2.0;
 
-/// Realigned poses are used if they move a point by more than this share of a cell.
+/// Final search distance when all frames are aligned to each other, in cells of the points that this uses.
+const REACH_IN_FINE_CELLS: f64 = 1.5;
+
+/// Frames are far from where they were if their points moved by more than this share of a cell.
 const LEAST_MOTION: f64 = 0.1;
+
+/// Edge of the cells in which points are pooled to align all frames to each other: as a share of the other
+/// cells, in pixels, and as a share of the box, the largest of these. Their normals need some pixels.
+const FINE_SHARE: f64 = 0.4;
+const FINE_PIXELS: f64 = 3.0;
+const FINE_SHARE_OF_BOX: f64 = 0.01;
 
 impl KnownSurface {
     /// Returns an empty surface. Fails if the configuration is out of range.
@@ -75,7 +108,7 @@ impl KnownSurface {
         let spacing = config.spacing.unwrap_or(RegistrationConfig::DEFAULT_SPACING);
         let lattice = Lattice::new(spacing)?;
         let (slots, pools, tree, views) = Default::default();
-        Ok(Self { config, spacing, lattice, slots, pools, tree, views })
+        Ok(Self { config, spacing, lattice, slots, pools, tree, views, prior: PosePrior::new(&config) })
     }
 
     /// Returns an empty surface with the same configuration.
@@ -114,39 +147,49 @@ impl KnownSurface {
         bounds: Aabb,
         cancel: &Cancel,
     ) -> Result<(), Cancelled> {
-        let shown = surface_points(frame, self.around(bounds), self.spacing, cancel)?;
-        let view = JointView::new(shown, FrameCamera::new(frame.clone()), *given, cancel)?;
+        let around = self.around(bounds);
+        let points = surface_points(frame, around, self.spacing, cancel)?;
+        let fine_spacing = self.fine_spacing(frame, bounds);
+        let shown = surface_points(frame, around, fine_spacing, cancel)?;
+        let camera = FrameCamera::new(frame.clone());
+        let joint = JointView::new(shown, camera.pose(), self.prior_mean(frame, given), cancel)?;
+        let view = KnownView { far_pose: joint.pose, joint, camera, points, fine_spacing };
         let (mut slots, mut pools) = (self.slots.clone(), self.pools.clone());
-        pool(&view, &self.lattice, &mut slots, &mut pools);
+        view.pool(&self.lattice, &mut slots, &mut pools);
         self.tree = tree(&pools, cancel)?;
         (self.slots, self.pools) = (slots, pools);
         self.views.push(view);
         Ok(())
     }
 
-    /// Aligns all frames to each other at once, unless cancelled: the errors of a closed chain of frames are
-    /// shared by all. As a whole, the frames then match their given poses on average, or the first given pose
-    /// if that [is known to be better](GivenPoses). Returns the pose of each added frame, in order; `None` if
-    /// no frame's points move by more than a tenth of a cell.
-    pub fn realign(&mut self, cancel: &Cancel) -> Result<Option<Vec<Pose>>, Cancelled> {
+    /// Aligns all frames to each other at once, unless cancelled, by what they show in and near a box (world
+    /// coordinates, finite): the errors of a closed chain of frames are shared by all. Given poses have
+    /// errors of their own and one in common, such as that of a hand-eye calibration; see [`GivenPoses`] for
+    /// what determines the common pose. Returns `None` if there are fewer than two frames.
+    pub fn realign(&mut self, bounds: Aabb, cancel: &Cancel) -> Result<Option<Realigned>, Cancelled> {
         if self.views.len() < 2 {
             return Ok(None);
         }
+        let near = Aabb { min: bounds.min - self.spacing, max: bounds.max + self.spacing };
+        let finest = self.views.iter().map(|view| view.fine_spacing).fold(0.0, f64::max);
+        let reach = SearchReach { last: REACH_IN_FINE_CELLS * finest, first: self.reach().last };
+        let mut joint: Vec<_> = self.views.iter().map(|view| view.joint.clone()).collect();
+        let mut prior = self.prior;
+        joint::align(&mut joint, &mut prior, near, reach, cancel)?;
         let mut views = self.views.clone();
-        joint::align(&mut views, self.reach().last, self.config.min_stiffness, cancel)?;
-        if self.config.given_poses == GivenPoses::Independent {
-            let motion = motion_to_given(&views, &self.config);
-            views.iter_mut().for_each(|view| view.move_by(&motion));
-        }
-        let moved = views.iter().zip(&self.views).map(|(view, before)| view.moved_from(before));
-        if moved.fold(0.0, f64::max) <= LEAST_MOTION * self.spacing {
-            return Ok(None);
+        views.iter_mut().zip(joint).for_each(|(view, joint)| view.joint = joint);
+        let (last, earlier) = views.split_last_mut().expect("there are frames");
+        let moved = earlier.iter().map(|view| view.joint.moved_from(&view.far_pose, near));
+        let is_far = moved.fold(0.0, f64::max) > LEAST_MOTION * self.spacing;
+        last.far_pose = last.joint.pose;
+        if is_far {
+            earlier.iter_mut().for_each(|view| view.far_pose = view.joint.pose);
         }
         let (mut slots, mut pools) = Default::default();
-        views.iter().for_each(|view| pool(view, &self.lattice, &mut slots, &mut pools));
+        views.iter().for_each(|view| view.pool(&self.lattice, &mut slots, &mut pools));
         self.tree = tree(&pools, cancel)?;
-        (self.slots, self.pools, self.views) = (slots, pools, views);
-        Ok(Some(self.views.iter().map(|view| view.pose).collect()))
+        (self.slots, self.pools, self.views, self.prior) = (slots, pools, views, prior);
+        Ok(Some(Realigned { poses: self.views.iter().map(|view| view.joint.pose).collect(), is_far }))
     }
 
     /// Aligns the surface that a frame shows in and around a box (world coordinates, finite) to the known
@@ -173,7 +216,7 @@ impl KnownSurface {
     ) -> Result<Fitting<'a>, Cancelled> {
         let points = surface_points(frame, self.around(bounds), self.spacing, cancel)?;
         let known = self.pools.iter().map(|pool| pool.position / pool.n).collect();
-        let earlier = self.views.iter().map(JointView::camera).collect();
+        let earlier = self.views.iter().map(|view| view.camera.at(view.joint.pose)).collect();
         let (config, reach, tree) = (&self.config, self.reach(), &self.tree);
         let camera = FrameCamera::new(frame.clone());
         Ok(Fitting { config, reach, points, camera, known, tree, earlier, cancel })
@@ -184,6 +227,21 @@ impl KnownSurface {
         SearchReach { first: self.config.position_uncertainty.max(last), last }
     }
 
+    /// The edge of the cells in which points of a frame are pooled to align all frames, metres.
+    fn fine_spacing(&self, frame: &Frame, bounds: Aabb) -> f64 {
+        let pixel = frame.world_from_camera().translation().distance(bounds.center())
+            / frame.intrinsics().focal().min_element();
+        let fine = (FINE_SHARE * self.spacing)
+            .max(FINE_PIXELS * pixel)
+            .max(FINE_SHARE_OF_BOX * bounds.longest_side());
+        fine.max(Lattice::MIN_VOXEL_SIZE).min(self.spacing)
+    }
+
+    /// The mean of a frame's pose: the given one, or where it was placed if that was found by alignment.
+    fn prior_mean(&self, frame: &Frame, given: &Pose) -> Pose {
+        if self.config.given_poses == GivenPoses::Tracked { frame.world_from_camera() } else { *given }
+    }
+
     /// A frame in a wrong pose shows the surface outside the box.
     fn around(&self, bounds: Aabb) -> Aabb {
         let margin = self.config.position_uncertainty;
@@ -191,19 +249,16 @@ impl KnownSurface {
     }
 }
 
-/// Adds the points of a view to the pools of their cells.
-fn pool(
-    view: &JointView,
-    lattice: &Lattice,
-    slots: &mut FxHashMap<(IVec3, u8), usize>,
-    pools: &mut Vec<CellPool>,
-) {
-    for point in view.world_points() {
-        let slot = *slots.entry((lattice.key(point.position), side(point.normal))).or_insert(pools.len());
-        if slot == pools.len() {
-            pools.push(CellPool::default());
+impl KnownView {
+    /// Adds the points to the pools of their cells.
+    fn pool(&self, lattice: &Lattice, slots: &mut FxHashMap<(IVec3, u8), usize>, pools: &mut Vec<CellPool>) {
+        for point in self.points.iter().map(|point| point.moved(&self.joint.pose)) {
+            let slot = *slots.entry((lattice.key(point.position), side(point.normal))).or_insert(pools.len());
+            if slot == pools.len() {
+                pools.push(CellPool::default());
+            }
+            pools[slot].add(&point);
         }
-        pools[slot].add(&point);
     }
 }
 

@@ -1,6 +1,6 @@
 use crate::geometry::{Aabb, Pose};
 use crate::registration::{
-    Agreement, GivenPoses, KnownSurface, Registration, RegistrationConfig, RegistrationMode,
+    Agreement, GivenPoses, KnownSurface, Realigned, Registration, RegistrationConfig, RegistrationMode,
 };
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
@@ -107,9 +107,11 @@ impl Alignment {
 
     /// Aligns all frames to each other. Returns their poses in the order of [`remember`](Self::remember), or
     /// `None` if they stay. Frames from before there was a box are not included.
-    pub fn realign(&mut self, cancel: &Cancel) -> Result<Option<Vec<Pose>>, Cancelled> {
-        match &mut self.known {
-            Some(known) if self.is_active && !self.given.are_right() => known.realign(cancel),
+    pub fn realign(&mut self, bounds: Option<Aabb>, cancel: &Cancel) -> Result<Option<Realigned>, Cancelled> {
+        match (&mut self.known, bounds) {
+            (Some(known), Some(bounds)) if self.is_active && !self.given.are_right() => {
+                known.realign(bounds, cancel)
+            }
             _ => Ok(None),
         }
     }

@@ -285,8 +285,12 @@ impl KnownScene {
         let mut is_all_new = moved.is_some();
         let frame = self.frames.mapped.last().expect("a frame was added");
         self.alignment.remember(frame, &given, self.map.place().bounds, registration, cancel)?;
-        if let Some(poses) = self.alignment.realign(cancel)? {
-            self.frames.move_to(&poses);
+        let realigned = self.alignment.realign(self.map.place().bounds, cancel)?;
+        if let Some(realigned) = &realigned {
+            self.frames.move_to(&realigned.poses);
+        }
+        // What is finer than the map's voxels does not change it.
+        if realigned.is_some_and(|realigned| realigned.is_far) {
             let known = self.frames.all_but_last();
             self.map.move_to(self.map.place(), known, cancel)?;
             let location = self.locator.locate_anew(&self.frames.mapped, cancel)?;
