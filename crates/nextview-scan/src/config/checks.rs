@@ -88,6 +88,9 @@ fn out_of_range(config: &ScanConfig) -> Vec<Fault> {
         ("max_flow", MaxFlow::new(config.max_flow).map(drop)),
         // Independent of the gain.
         ("greedy", Greedy::<Apora>::new(config.greedy).map(drop)),
+        ("frontier_tour", config.frontier_tour.check()),
+        ("receding_horizon", config.receding_horizon.check()),
+        ("kaba", config.kaba.check()),
         ("most_surface", MostSurface::new(config.most_surface).map(drop)),
         ("batch", Batch::new(config.batch).map(drop)),
         ("looks", config.looks.map_or(Ok(()), |looks| looks.check())),

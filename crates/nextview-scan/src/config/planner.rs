@@ -46,6 +46,7 @@ fn build(
     clairvoyant: Option<Box<dyn ViewPlanner>>,
 ) -> Result<Box<dyn ViewPlanner>, Fault> {
     let &ScanConfig { most_surface, max_flow, greedy, batch, seed, .. } = config;
+    let &ScanConfig { frontier_tour, receding_horizon, kaba, .. } = config;
     Ok(match name {
         PlannerName::MostSurface => Box::new(MostSurface::new(most_surface)?),
         PlannerName::MaxFlow => Box::new(MaxFlow::new(max_flow)?),
@@ -60,11 +61,11 @@ fn build(
         PlannerName::Krainin => by_gain::<Krainin>(greedy)?,
         PlannerName::AreaFactor => by_gain::<AreaFactor>(greedy)?,
         PlannerName::Potthast => by_gain::<Potthast>(greedy)?,
-        PlannerName::FrontierTour => Box::new(FrontierTour::new(greedy.ray_spacing)?),
+        PlannerName::FrontierTour => Box::new(FrontierTour::new(frontier_tour.ray_spacing)?),
         PlannerName::PbNbv => Box::new(PbNbv),
         PlannerName::See => Box::new(See::default()),
-        PlannerName::RecedingHorizon => Box::new(RecedingHorizon::new(greedy.ray_spacing, seed)?),
-        PlannerName::Kaba => Box::new(Kaba::new(greedy.ray_spacing)?),
+        PlannerName::RecedingHorizon => Box::new(RecedingHorizon::new(receding_horizon.ray_spacing, seed)?),
+        PlannerName::Kaba => Box::new(Kaba::new(kaba.ray_spacing)?),
         PlannerName::NbvNet => Box::new(config.nbv_net.planner()?),
         PlannerName::NbvRegression => Box::new(NbvRegression::default()),
         PlannerName::PcNbv => Box::new(PcNbv::default()),

@@ -61,15 +61,15 @@ planners! {
         Potthast = "potthast": "Expected loss of entropy along rays, Potthast & Sukhatme 2014",
             { section: Some("greedy") };
         FrontierTour = "frontier-tour": "First view of the shortest tour past the frontier, Meng et al. 2017",
-            { section: Some("greedy") };
+            { section: Some("frontier_tour") };
         PbNbv = "pb-nbv": "Image area of ellipsoids around frontier and surface, Jia et al. 2025",
             {};
         See = "see": "Views onto the edges of dense points, Border & Gammell 2024",
             { needs_frames: true };
         RecedingHorizon = "receding-horizon": "First view of the best branch of a random tree, Bircher et al. 2016",
-            { section: Some("greedy") };
+            { section: Some("receding_horizon") };
         Kaba = "kaba": "Gain minus the remaining boundary, weighted by reinforcement learning, Kaba et al. 2017",
-            { section: Some("greedy") };
+            { section: Some("kaba") };
         NbvNet = "nbv-net": "NBV-Net, Mendoza et al. 2020: one of 14 views, chosen by a network",
             { section: Some("nbv_net"), is_network: true };
         NbvRegression = "nbv-regression": "A direction predicted by a network, Vasquez-Gomez et al. 2021",

@@ -13,7 +13,7 @@ size_of time_limit_s unit view_distance_m view_seed view_standoff_m views voxel_
 batch.least_share batch.n_views batch.ray_spacing batch.theta batch.tolerance
 camera.cx camera.cy camera.distortion camera.distortion.brown-conrady
 camera.distortion.inverse-brown-conrady camera.fx camera.fy camera.height camera.width
-greedy.ray_spacing greedy.theta
+frontier_tour.ray_spacing greedy.ray_spacing greedy.theta kaba.ray_spacing
 live.box_m live.first_pose.rotation_xyzw live.first_pose.translation_m live.max_depth_m live.min_depth_m
 live.poses.rotation_xyzw live.poses.translation_m live.table_z_m
 looks.angle_deg looks.apart_deg looks.n looks.points_per_mm2
@@ -32,6 +32,7 @@ noise.depth.grazing_from_rad noise.depth.lateral_sigma_px noise.depth.max_depth_
 noise.depth.min_depth_m noise.first_pose_is_right noise.model noise.pose_error_deg noise.pose_error_mm
 noise.seed
 object_box.max_gap_m object_box.rule object_box.table
+receding_horizon.ray_spacing
 reach.allowed_boxes_m reach.base_m reach.forbidden_boxes_m reach.max_radius_m reach.min_radius_m
 registration.enabled registration.given_poses registration.min_overlap registration.min_stiffness
 registration.position_uncertainty_m registration.rotation_uncertainty_deg registration.spacing_m

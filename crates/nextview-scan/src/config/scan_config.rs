@@ -6,7 +6,7 @@ use crate::Fault;
 use nextview::geometry::Aabb;
 use nextview::map::{Background, RayRule, SensorModel};
 use nextview::motion::MotionConfig;
-use nextview::planner::{BatchConfig, GreedyConfig, MaxFlowConfig, MostSurfaceConfig};
+use nextview::planner::{BatchConfig, GreedyConfig, MaxFlowConfig, MostSurfaceConfig, RayConfig};
 use nextview::registration::{RegistrationConfig, RegistrationMode};
 use nextview::sensor::{Intrinsics, SurfaceNoise};
 use nextview::session::{MultiResolutionConfig, StopConfig};
@@ -121,10 +121,18 @@ pub struct ScanConfig {
     /// Parameters of the planners max-flow and local.
     #[serde(deserialize_with = "MaxFlowConfig::deserialize")]
     pub max_flow: MaxFlowConfig,
-    /// Parameters of all planners named after a gain, and of gains written in Python. The ray spacing also
-    /// applies to frontier-tour, receding-horizon and kaba.
+    /// Parameters of all planners named after a gain, and of gains written in Python.
     #[serde(deserialize_with = "GreedyConfig::deserialize")]
     pub greedy: GreedyConfig,
+    /// Parameters of the planner frontier-tour.
+    #[serde(deserialize_with = "RayConfig::deserialize")]
+    pub frontier_tour: RayConfig,
+    /// Parameters of the planner receding-horizon.
+    #[serde(deserialize_with = "RayConfig::deserialize")]
+    pub receding_horizon: RayConfig,
+    /// Parameters of the planner kaba.
+    #[serde(deserialize_with = "RayConfig::deserialize")]
+    pub kaba: RayConfig,
     /// Parameters of the planner batch.
     #[serde(deserialize_with = "BatchConfig::deserialize")]
     pub batch: BatchConfig,
@@ -250,6 +258,9 @@ impl ScanConfig {
             registration: RegistrationConfig::default(),
             max_flow: MaxFlowConfig::default(),
             greedy: GreedyConfig::default(),
+            frontier_tour: RayConfig::default(),
+            receding_horizon: RayConfig::default(),
+            kaba: RayConfig::default(),
             batch: BatchConfig::default(),
             nbv_net: NbvNetConfig::default(),
             reference: None,
@@ -278,6 +289,9 @@ impl ScanConfig {
                     ..MaxFlowConfig::default()
                 },
                 greedy: GreedyConfig { ray_spacing: 10.0, ..GreedyConfig::default() },
+                frontier_tour: RayConfig { ray_spacing: 10.0 },
+                receding_horizon: RayConfig { ray_spacing: 10.0 },
+                kaba: RayConfig { ray_spacing: 10.0 },
                 batch: BatchConfig { ray_spacing: 10.0, ..BatchConfig::default() },
                 stop: StopConfig { entropy_share: Some(0.5), progress: 0.0, ..StopConfig::default() },
                 ..config
@@ -373,6 +387,9 @@ impl ScanConfig {
             map: neutral.map,
             max_flow: neutral.max_flow,
             greedy: neutral.greedy,
+            frontier_tour: neutral.frontier_tour,
+            receding_horizon: neutral.receding_horizon,
+            kaba: neutral.kaba,
             batch: neutral.batch,
             nbv_net: neutral.nbv_net,
             reference: None,
