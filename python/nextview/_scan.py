@@ -197,6 +197,11 @@ class Scan:
         """The record of each frame so far: what `steps.jsonl` holds."""
         return self._engine.steps()
 
+    def frame(self, step_idx: int) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+        """The depth image of a step, counted from 0, and its pose: the aligned one where frames are aligned.
+        Depths are height x width, float32, metres; NaN where nothing was measured."""
+        return self._engine.frame(step_idx)
+
     @property
     def stop_reason(self) -> str | None:
         """Why the scan is over, such as "view-limit"; None while it is under way."""

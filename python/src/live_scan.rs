@@ -179,9 +179,9 @@ impl LiveScan {
         })
     }
 
-    /// Depths and pose of the frame of a step, from 0.
+    /// Depths and mapped pose of the frame of a step, from 0.
     fn frame<'py>(&self, py: Python<'py>, step_idx: usize) -> PyResult<Taken<'py>> {
-        let frame = self.with(py, |scan| Ok(pictures::frame(scan.scan(), step_idx)?))?;
+        let frame = self.with(py, |scan| Ok(scan.scan().frame(step_idx)?.clone()))?;
         pictures::arrays_of(py, &frame)
     }
 

@@ -47,7 +47,7 @@ impl Finished {
     }
 
     fn frame<'py>(&self, py: Python<'py>, step_idx: usize) -> PyResult<Taken<'py>> {
-        let frame = compute(py, &Cancel::default(), || Ok(frame(&self.scan(), step_idx)?))?;
+        let frame = compute(py, &Cancel::default(), || Ok(self.scan().frame(step_idx)?.clone()))?;
         arrays_of(py, &frame)
     }
 
@@ -67,18 +67,6 @@ impl Finished {
 pub fn page(scan: &ScanState<'_>, config: &ScanConfig, record: &ScanRecord) -> Result<String, Faults> {
     let text = toml::to_string(config).map_err(Fault::data)?;
     Ok(page_of_scan(scan, record, config, "nextview in Python", &text))
-}
-
-/// The frame of a step, in the map or set aside.
-pub fn frame(scan: &ScanState<'_>, step_idx: usize) -> Result<Frame, Fault> {
-    let session = &scan.session;
-    let mapped = session.frame_numbers().iter().copied().zip(session.frames());
-    let aside = session.set_aside().iter().map(|aside| (aside.number, &aside.frame));
-    let mut frames = mapped.chain(aside);
-    let found = frames.find(|(number, _)| *number == step_idx).map(|(_, frame)| frame.clone());
-    found.ok_or_else(|| {
-        Fault::of_value("step_idx", step_idx, format!("below {}, the number of steps", scan.steps.len()))
-    })
 }
 
 /// Depths and pose of a frame.

@@ -218,6 +218,7 @@ SOUND: dict[str, Callable[[], Any]] = {
     "Scan.observe.depth": frame,
     "Scan.observe.world_from_camera": pose,
     "Scan.locate.depth": frame,
+    "Scan.frame.step_idx": lambda: 0,
     "Scan.guidance.world_from_camera": pose,
     "Scan.skip.view": lambda: 1,
     "Scan.save.out": lambda: "saved",

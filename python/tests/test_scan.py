@@ -88,6 +88,22 @@ def test_a_matrix_and_its_view_are_the_same_place(mug: nextview.SimulatedScene) 
     np.testing.assert_allclose(step["position_m"], view.world_from_camera[:3, 3], atol=1e-12)
 
 
+def test_frames_can_be_had_again() -> None:
+    scan = begin()
+    with pytest.raises(nextview.InputError, match="a frame to be taken first"):
+        scan.frame(0)
+    first = scan.next_view()
+    assert first is not None
+    depth = ball(first.world_from_camera)
+    scan.observe(depth, first)
+    kept, pose = scan.frame(0)
+    is_measured = np.isfinite(depth) & (depth > 0)
+    np.testing.assert_array_equal(kept[is_measured], depth[is_measured])
+    np.testing.assert_allclose(pose, first.world_from_camera, atol=1e-15)
+    with pytest.raises(nextview.InputError, match="`step_idx` is 1, expected 0 to 0"):
+        scan.frame(1)
+
+
 def test_a_skipped_view_never_comes_again() -> None:
     scan = begin()
     seen = set()

@@ -35,8 +35,8 @@ pub use journal::{Damage, Interrupted, Journal, JournalEntry, Kept, KeptFrame, S
 pub use live::{Guidance, LiveFrame, LiveScan};
 pub use model::FinalModel;
 pub use record::{
-    BatchRecord, BatchViewRecord, BuildIdentity, OtherBodyRecord, PlacementRecord, QualityMm, ScanRecord,
-    StepRecord, TurnRecord, ViewRecord, WaypointRecord, pose_of_rows, rows_of_pose,
+    BatchRecord, BatchViewRecord, BuildIdentity, HandEyeRecord, OtherBodyRecord, PlacementRecord, QualityMm,
+    ScanRecord, StepRecord, TurnRecord, ViewRecord, WaypointRecord, pose_of_rows, rows_of_pose,
 };
 #[cfg(feature = "simulated")]
 pub use results::SavedModel;

@@ -3,7 +3,9 @@ use super::step_line::verdict_phrase;
 use super::stop_phrase::stop_phrase;
 use crate::text::fixed;
 use glam::DVec3;
-use nextview_scan::{BoxRule, OtherBodyRecord, QualityMm, ScanConfig, ScanRecord, StepRecord, TableRule};
+use nextview_scan::{
+    BoxRule, HandEyeRecord, OtherBodyRecord, QualityMm, ScanConfig, ScanRecord, StepRecord, TableRule,
+};
 
 /// Returns the quantities of a scan, finished or in progress, as label and value with unit, in display order.
 ///
@@ -34,6 +36,8 @@ pub fn summary(record: &ScanRecord, config: &ScanConfig) -> Vec<(String, String)
     rows.extend(placement::request(record).map(|text| ("not seen", text)));
     rows.extend(alignment(record));
     rows.extend(registered(record));
+    rows.extend(record.frame_residual_mm.map(|mm| ("frames agree", format!("within {} mm", fixed(mm, 2)))));
+    rows.extend(record.hand_eye.map(hand_eye));
     rows.extend(recorded(record));
     rows.extend(found(config, last));
     rows.extend(record.other_bodies.iter().map(other_body));
@@ -140,6 +144,21 @@ fn registered(record: &ScanRecord) -> Option<SummaryRow> {
         .collect();
     let aside = if aside.is_empty() { String::new() } else { format!("; left out: {}", aside.join(", ")) };
     Some(("frames used", format!("{n_used} of {}{aside}", record.steps.len())))
+}
+
+/// The error of the hand-eye calibration, if the frames show one.
+fn hand_eye(found: HandEyeRecord) -> SummaryRow {
+    let of = |mm: f64, deg: f64| (fixed(mm, 1), fixed(deg, 2));
+    let (mm, deg) = of(found.deviation_mm, found.deviation_deg);
+    let phrase = if found.is_shown() {
+        let (moved, turned) = of(found.moved_mm, found.turned_deg);
+        format!(
+            "off by {moved} ± {mm} mm and {turned} ± {deg} degrees; `hand_eye` in record.json corrects it"
+        )
+    } else {
+        format!("no error shown; these views determine it to ± {mm} mm and ± {deg} degrees")
+    };
+    ("hand-eye calibration", phrase)
 }
 
 fn quality_phrase(quality: QualityMm) -> String {

@@ -8,7 +8,7 @@ mod walls;
 use glam::{DVec3, IVec3, Vec3};
 use nextview::sensor::DepthImage;
 use nextview_report::{ViewPicture, live, summary, summary_text};
-use nextview_scan::{BoxRule, OtherBodyRecord, ScanRecord, TableRule};
+use nextview_scan::{BoxRule, HandEyeRecord, OtherBodyRecord, ScanRecord, TableRule};
 use serde_json::Value;
 use std::collections::HashSet;
 use synthetic::{SyntheticRecording, scan};
@@ -238,8 +238,23 @@ fn the_summary_names_what_is_known() {
     (last.box_min_m, last.box_max_m) = (None, None);
     (last.table_normal, last.table_offset_m) = (Some([0.6, 0.0, 0.8]), Some(0.002));
     record.other_bodies = vec![OtherBodyRecord { size_m: [0.1; 3], center_m: [0.2; 3], gap_m: 0.0521 }];
+    record.frame_residual_mm = Some(0.273);
+    let hand_eye = HandEyeRecord {
+        translation_m: [0.0, 0.003, 0.0],
+        quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
+        moved_mm: 3.0,
+        turned_deg: 0.0,
+        deviation_mm: 0.41,
+        deviation_deg: 0.071,
+    };
+    record.hand_eye = Some(hand_eye);
     let rows = summary(&record, &config);
     for (label, value) in [
+        ("frames agree", "within 0.27 mm"),
+        (
+            "hand-eye calibration",
+            "off by 3.0 ± 0.4 mm and 0.00 ± 0.07 degrees; `hand_eye` in record.json corrects it",
+        ),
         ("box found", "none"),
         ("table found", "at z = 2.5 mm"),
         (
@@ -250,6 +265,9 @@ fn the_summary_names_what_is_known() {
     ] {
         assert!(rows.contains(&(label.to_owned(), value.to_owned())), "{label}: {rows:?}");
     }
+    record.hand_eye = Some(HandEyeRecord { deviation_mm: 1.7, ..hand_eye });
+    let unknown = "no error shown; these views determine it to ± 1.7 mm and ± 0.07 degrees".to_owned();
+    assert!(summary(&record, &config).contains(&("hand-eye calibration".to_owned(), unknown)));
     let nothing = summary(&ScanRecord::default(), &config);
     assert!(nothing.contains(&("state".to_owned(), "under way".to_owned())), "{nothing:?}");
     assert!(nothing.contains(&("box found".to_owned(), "none".to_owned())), "{nothing:?}");

@@ -2,6 +2,7 @@
 
 mod batch_record;
 mod build;
+mod hand_eye_record;
 mod placement_record;
 mod pose_matrix;
 mod quality_mm;
@@ -12,6 +13,7 @@ mod view_record;
 
 pub use batch_record::{BatchRecord, BatchViewRecord};
 pub use build::BuildIdentity;
+pub use hand_eye_record::HandEyeRecord;
 pub use placement_record::{PlacementRecord, TurnRecord};
 pub use pose_matrix::{pose_of_rows, rows_of_pose};
 pub use quality_mm::QualityMm;

@@ -1,4 +1,4 @@
-use super::{PlacementRecord, StepRecord, TurnRecord};
+use super::{HandEyeRecord, PlacementRecord, StepRecord, TurnRecord};
 use crate::{BoxRule, PlannerChoice, Profile};
 use nextview::object::OtherBody;
 use nextview::session::StopReason;
@@ -42,6 +42,17 @@ pub struct ScanRecord {
     /// `None` if registration is off.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames_set_aside: Option<usize>,
+    /// Root mean square distance between the surfaces that different frames show, all aligned; this and the
+    /// next two are `None` if frames are not aligned to each other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame_residual_mm: Option<f64>,
+    /// By entry of `steps`, root mean square distance of the frame's surface from those of the others; null
+    /// for frames that meet no other, and for those set aside.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame_residuals_mm: Option<Vec<Option<f64>>>,
+    /// The error that all given poses share; also `None` if the poses come from alignment.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hand_eye: Option<HandEyeRecord>,
     /// How the object was turned since the previous scan; `None` if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turn: Option<TurnRecord>,

@@ -2,13 +2,14 @@ use super::scan_facts::ScanFacts;
 use crate::earlier_scan::EarlierScan;
 use crate::model::{Extent, cloud_positions};
 use crate::{
-    BoxRule, Evaluator, Fault, FinalModel, FrameSource, ModelConfig, ScanConfig, ScanJournal, ScanRecord,
-    StepRecord, TurnRecord, ViewRule, memory, short_name,
+    BoxRule, Evaluator, Fault, FinalModel, FrameSource, HandEyeRecord, ModelConfig, ScanConfig, ScanJournal,
+    ScanRecord, StepRecord, TurnRecord, ViewRule, memory, short_name,
 };
 use glam::{DVec2, DVec3};
 use nextview::geometry::{Aabb, Plane};
 use nextview::motion::Trajectory;
 use nextview::object::{BOX_MARGIN_FACTOR, BOX_MARGIN_VOXELS, ON_TABLE, TableTops};
+use nextview::registration::PoseFit;
 use nextview::sensor::{ColorImage, Depth, Frame};
 use nextview::session::{NextView, Session, StopReason};
 use nextview_model::{SurfaceMesh, WatertightMesh};
@@ -183,7 +184,7 @@ impl ScanState<'_> {
     /// The record without the model's measures and other bodies.
     pub(crate) fn bare_record(&self, config: &ScanConfig) -> ScanRecord {
         let last = self.steps.last();
-        let bounds = self.session.bounds();
+        let (bounds, fit) = (self.session.bounds(), self.session.pose_fit());
         let mut record = ScanRecord {
             object: short_name(&config.object),
             planner: config.planner.clone(),
@@ -194,6 +195,9 @@ impl ScanState<'_> {
             candidates: self.session.views().len(),
             views: self.steps.len(),
             frames_set_aside: self.session.aligns_frames().then(|| self.session.set_aside().len()),
+            frame_residual_mm: fit.and_then(PoseFit::residual).map(|m| 1e3 * m),
+            frame_residuals_mm: fit.map(|fit| self.residuals_mm(fit)),
+            hand_eye: fit.and_then(|fit| fit.hand_eye).map(HandEyeRecord::from),
             box_min_m: bounds.map(|bounds| bounds.min.to_array()),
             box_max_m: bounds.map(|bounds| bounds.max.to_array()),
             path_length_m: last.map_or(0.0, |step| step.path_length_m),
@@ -214,6 +218,17 @@ impl ScanState<'_> {
             set_seeds(&mut record, config);
         }
         record
+    }
+
+    /// By step, the residual of its frame in the map, millimetres.
+    fn residuals_mm(&self, fit: &PoseFit) -> Vec<Option<f64>> {
+        let mut by_step = vec![None; self.steps.len()];
+        // Frames of an earlier placement come first.
+        for (&step_idx, residual) in self.session.frame_numbers().iter().rev().zip(fit.residuals.iter().rev())
+        {
+            by_step[step_idx] = residual.map(|m| 1e3 * m);
+        }
+        by_step
     }
 
     /// Removes the journal: the results are on the disk, or there will be none.

@@ -7,7 +7,9 @@ use nextview::Cancel;
 use nextview::geometry::random::Random;
 use nextview::geometry::{Aabb, Pose};
 use nextview::planner::{MinOverlap, RandomViews, ViewPlanner};
-use nextview::registration::{GivenPoses, KnownSurface, Registration, RegistrationConfig, Verdict};
+use nextview::registration::{
+    GivenPoses, HandEyeError, KnownSurface, Registration, RegistrationConfig, Verdict,
+};
 use nextview::sensor::{Frame, Intrinsics};
 use nextview::session::{Session, SessionConfig, StepReport};
 use nextview::view::{ViewSpace, generate, look_at};
@@ -178,6 +180,56 @@ fn all_frames_together_lie_where_the_given_poses_most_likely_are() {
         turned.to_degrees() / 8.0
     );
     assert!(2.0 * by_all < by_first, "{by_all} {by_first}");
+}
+
+/// Twelve views of an object from a robot whose calibration is wrong by this pose, and whose own errors are
+/// up to 0.2 mm and 0.04 degrees: the error that is found.
+fn calibration_error(seed: u64, given_from_camera: Pose) -> HandEyeError {
+    let scene = scene(seed, Some(SensorNoise::d435i()));
+    let (center, bounds, never) = (scene.center(), scene.planning_box(VOXEL_SIZE), &Cancel::default());
+    let mut random = Random::new(seed, 1);
+    let mut known = KnownSurface::new(RegistrationConfig::default()).unwrap();
+    let mut found = None;
+    for i in 0..12 {
+        let (azimuth, elevation) = (TAU * i as f64 / 6.0, [0.35_f64, 0.9][i / 6]);
+        let direction =
+            DVec3::new(elevation.cos() * azimuth.cos(), elevation.cos() * azimuth.sin(), elevation.sin());
+        let frame = scene.camera().capture(&look_at(center + 0.4 * direction, center).unwrap()).unwrap();
+        let given = frame.world_from_camera() * given_from_camera.inverse();
+        let mut frame = displaced(&frame.with_pose(given), 0.0002, 0.0007, &mut random);
+        let given = frame.world_from_camera();
+        if i > 0 {
+            let registration = known.register(&frame, bounds, never).unwrap();
+            frame = frame.with_pose(registration.world_from_camera);
+        }
+        known.add(&frame, &given, bounds, never).unwrap();
+        found = known.realign(bounds, never).unwrap().and_then(|realigned| realigned.fit.hand_eye);
+    }
+    found.unwrap()
+}
+
+#[test]
+fn the_error_of_a_calibration_is_found_with_its_deviation() {
+    for (seed, mm, degrees) in [(1, 0.0, 0.0), (5, 2.0, 0.3), (1, 5.0, 0.5), (7, 10.0, 2.0)] {
+        let mut random = Random::new(seed, 2);
+        let turn = random.in_cube().normalize() * f64::to_radians(degrees);
+        let shift = 1e-3 * mm * random.in_cube().normalize();
+        let truth = Pose::new(DQuat::from_scaled_axis(turn), shift).unwrap();
+        let found = calibration_error(seed, truth);
+        let left = truth.inverse() * found.given_from_camera;
+        let (off, turned) = (left.translation().length(), left.rotation().to_axis_angle().1);
+        let turned = turned.min(TAU - turned);
+        println!(
+            "{mm} mm, {degrees} degrees: off by {:.2} ± {:.2} mm, {:.3} ± {:.3} degrees",
+            1e3 * off,
+            1e3 * found.position_deviation,
+            turned.to_degrees(),
+            found.rotation_deviation.to_degrees()
+        );
+        assert!(off < 3.0 * found.position_deviation && turned < 3.0 * found.rotation_deviation);
+        assert!(found.position_deviation < 1e-3 && found.rotation_deviation < 0.2_f64.to_radians());
+        assert_eq!(found.is_shown(), mm > 0.0);
+    }
 }
 
 /// What a small camera at `camera_position` sees of a mesh at the origin.

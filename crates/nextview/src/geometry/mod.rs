@@ -6,6 +6,7 @@
 mod aabb;
 mod box_count;
 mod box_tree;
+mod cholesky;
 mod eigen;
 pub(crate) mod lanes;
 mod lattice;
@@ -16,13 +17,14 @@ mod plane_fit;
 mod pose;
 pub mod random;
 mod segment_fan;
-mod solve;
+
 pub mod sphere;
 mod traversal;
 
 pub use aabb::Aabb;
 pub(crate) use box_count::BoxCount;
 pub(crate) use box_tree::{BoxTree, Search};
+pub(crate) use cholesky::Cholesky;
 pub(crate) use eigen::Eigen;
 pub use lattice::{Lattice, VoxelBlock, VoxelKey, local_origin};
 pub(crate) use moments::Moments;
@@ -33,5 +35,5 @@ pub(crate) use plane_fit::{fit_ground_stated, fit_ground_unless};
 pub use pose::Pose;
 pub(crate) use pose::check_position;
 pub(crate) use segment_fan::SegmentFan;
-pub(crate) use solve::solve;
+
 pub use traversal::SegmentWalk;

@@ -9,7 +9,8 @@ use super::SearchReach;
 use super::joint_equations::JointEquations;
 use super::pair::Pair;
 use super::point_tree::PointTree;
-use super::pose_prior::PosePrior;
+use super::pose_fit::{HandEyeError, PoseFit};
+use super::pose_prior::{PoseDeviation, PosePrior};
 use super::surface_points::SurfacePoint;
 use crate::geometry::{Aabb, Pose};
 use crate::{Cancel, Cancelled};
@@ -27,8 +28,10 @@ const NARROWING: f64 = 0.7;
 /// Maximum number of steps; each searches for pairs again.
 const MAX_STEPS: usize = 20;
 
-/// Iteration ends when a step moves points by less than this share of the last reach.
+/// Iteration ends when a step moves points by less than this share of the last reach, and the deviation of
+/// the given poses changes by less than this share.
 const SMALL_STEP: f64 = 5e-3;
+const SMALL_CHANGE: f64 = 0.1;
 
 /// Share of the pairs that count as independent: neighbouring points share their errors of depth, and a point
 /// has pairs in several frames.
@@ -98,43 +101,49 @@ impl JointView {
 }
 
 /// Moves all views to their most likely poses, given what they show in the box (world coordinates) and the
-/// prior of their poses, whose shared error is found as well.
+/// prior of their poses. The error that the poses share and the deviation of their own errors are found as
+/// well. Returns how well the views fit together.
 pub(super) fn align(
     views: &mut [JointView],
     prior: &mut PosePrior,
     bounds: Aabb,
     reach: SearchReach,
     cancel: &Cancel,
-) -> Result<(), Cancelled> {
+) -> Result<PoseFit, Cancelled> {
     let points: Vec<_> = views.iter().map(|view| view.some_points(bounds)).collect();
     let mut distance = reach.first;
     let mut both: Vec<[usize; 2]> = (0..views.len())
         .flat_map(|i| (0..views.len()).map(move |j| [i, j]))
         .filter(|[i, j]| i != j)
         .collect();
+    let mut fit = PoseFit::default();
     for _ in 0..MAX_STEPS {
         let pairs = both
             .par_iter()
             .map(|&[i, j]| cancel.check().map(|()| views[i].pairs(&views[j], &points[j], distance)));
         let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
-        let scale = SCALE * distance;
-        let mut equations = JointEquations::new(views.len(), pairs.iter().flatten());
-        let certainty = INDEPENDENT / noise_variance(pairs.iter().flatten(), scale, LEAST_NOISE * reach.last);
-        for ([i, j], pairs) in both.iter().zip(&pairs) {
-            pairs.iter().for_each(|pair| equations.add_pair(*i, *j, pair, certainty * pair.weight(scale)));
-        }
-        for (number, view) in views.iter().enumerate() {
-            equations.add_pose(number, &view.pose, &view.given, prior);
-        }
-        equations.add_shared_error(prior);
-        let Some(step) = equations.solve() else { break };
+        let (scale, least_noise) = (SCALE * distance, LEAST_NOISE * reach.last);
+        let equations = equations(views, prior, &both, &pairs, scale, least_noise).factored();
+        let Some((step, equations)) = equations.and_then(|equations| Some((equations.step()?, equations)))
+        else {
+            break;
+        };
+        let is_settled = distance <= reach.last
+            && equations.own_deviation().is_none_or(|shown| prior.adopt_own(shown) < SMALL_CHANGE);
         for (number, (view, motion)) in views.iter_mut().zip(step.motions).enumerate() {
             if !prior.is_exact(number) {
                 view.pose = motion * view.pose;
             }
         }
         prior.given_from_camera = prior.given_from_camera * step.of_shared;
-        if distance <= reach.last && step.size < SMALL_STEP * reach.last {
+        let PoseDeviation { position, rotation } = equations.shared_deviation();
+        let hand_eye = prior.may_share_error.then_some(HandEyeError {
+            given_from_camera: prior.given_from_camera,
+            position_deviation: position,
+            rotation_deviation: rotation,
+        });
+        fit = PoseFit { residuals: residuals(views.len(), &both, &pairs, scale), hand_eye };
+        if is_settled && step.size < SMALL_STEP * reach.last {
             break;
         }
         // What does not meet within this reach does not meet within a smaller one.
@@ -142,7 +151,43 @@ pub(super) fn align(
         both.retain(|_| has_pairs.next().unwrap_or(false));
         distance = (NARROWING * distance).max(reach.last);
     }
-    Ok(())
+    Ok(fit)
+}
+
+/// Returns the equations of these pairs, with robust weights for this scale, and of the prior.
+fn equations(
+    views: &[JointView],
+    prior: &PosePrior,
+    both: &[[usize; 2]],
+    pairs: &[Vec<Pair>],
+    scale: f64,
+    least_noise: f64,
+) -> JointEquations {
+    let mut equations = JointEquations::new(views.len(), pairs.iter().flatten());
+    let certainty = INDEPENDENT / noise_variance(pairs.iter().flatten(), scale, least_noise);
+    for ([i, j], pairs) in both.iter().zip(pairs) {
+        pairs.iter().for_each(|pair| equations.add_pair(*i, *j, pair, certainty * pair.weight(scale)));
+    }
+    for (number, view) in views.iter().enumerate() {
+        equations.add_pose(number, &view.pose, &view.given, prior);
+    }
+    equations.add_shared_error(prior);
+    equations
+}
+
+/// Returns the root mean square of the residuals of each view, with weights for this scale.
+fn residuals(n_views: usize, both: &[[usize; 2]], pairs: &[Vec<Pair>], scale: f64) -> Vec<Option<f64>> {
+    let mut sums = vec![(0.0, 0.0); n_views];
+    for (both, pairs) in both.iter().zip(pairs) {
+        for pair in pairs {
+            let weight = pair.weight(scale);
+            for view in both {
+                sums[*view].0 += weight * pair.residual().powi(2);
+                sums[*view].1 += weight;
+            }
+        }
+    }
+    sums.iter().map(|(squares, total)| (*total > 0.0).then(|| (squares / total).sqrt())).collect()
 }
 
 /// Returns the variance of the residuals, square metres, with weights for this scale, at least that of a
@@ -232,7 +277,7 @@ mod tests {
             let shared = moved(DVec3::new(0.02, -0.01, 0.015), DVec3::new(0.004, -0.003, 0.005));
             let (mut views, truths) = views(seed, 1e-3, &shared);
             let mut prior = PosePrior::new(&RegistrationConfig::default());
-            align(&mut views, &mut prior, BOUNDS, REACH, &Cancel::default()).unwrap();
+            let fit = align(&mut views, &mut prior, BOUNDS, REACH, &Cancel::default()).unwrap();
             let poses: Vec<_> = views.iter().map(|view| view.pose).collect();
             let off = apart(&as_first(&poses, &truths), &truths);
             let left = shared.inverse() * prior.given_from_camera;
@@ -244,6 +289,14 @@ mod tests {
                 turned.to_degrees()
             );
             assert!(off < 3e-4 && left.translation().length() < 1e-3 && turned < 3e-3);
+            let hand_eye = fit.hand_eye.unwrap();
+            assert!(left.translation().length() < 3.0 * hand_eye.position_deviation);
+            assert!(turned < 3.0 * hand_eye.rotation_deviation && hand_eye.is_shown());
+            // Errors of up to 1 mm on each axis deviate by 1 / sqrt(3).
+            let own = prior.deviation(1).position;
+            assert!((3e-4..9e-4).contains(&own), "{own}");
+            let residual = fit.residual().unwrap();
+            assert!((1e-4..4e-4).contains(&residual), "{residual}");
         }
     }
 

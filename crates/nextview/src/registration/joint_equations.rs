@@ -1,6 +1,6 @@
 use super::pair::Pair;
 use super::pose_prior::{PoseDeviation, PosePrior, difference};
-use crate::geometry::{Pose, solve};
+use crate::geometry::{Cholesky, Pose};
 use glam::{DMat3, DQuat, DVec3};
 
 /// The normal equations of a step of the alignment of all frames.
@@ -14,9 +14,20 @@ pub(super) struct JointEquations {
     /// Row by row.
     squares: Vec<f64>,
     gradient: Vec<f64>,
+    /// The own errors of the views that are not exact, and the shared error: three axes of rotation, radians,
+    /// then three of position, metres.
+    errors: Vec<[PoseError; 6]>,
 }
 
-/// Derivatives of a residual vector by the rotation and by the translation of a view, or of the shared error.
+/// An error of a given pose along or about an axis.
+#[derive(Clone, Copy)]
+struct PoseError {
+    value: f64,
+    /// By unknown, of a view and of the shared error.
+    derivatives: [(usize, [f64; 6]); 2],
+}
+
+/// Derivatives of a vector by the rotation and by the translation of a view, or of the shared error.
 type ByUnknown = (usize, [DMat3; 2]);
 
 /// A step of the alignment of all frames.
@@ -41,6 +52,7 @@ impl JointEquations {
             radius: spread.sqrt().max(f64::MIN_POSITIVE.sqrt()),
             squares: vec![0.0; size * size],
             gradient: vec![0.0; size],
+            errors: Vec::new(),
         }
     }
 
@@ -51,30 +63,28 @@ impl JointEquations {
         self.add(&[(j, along), (i, along.map(|value| -value))], weight, pair.residual());
     }
 
-    /// Adds the difference of the pose of a view from its mean, given its given pose. Errors of rotations are
-    /// small: products of them are negligible.
+    /// Adds the own error of the given pose of a view. Errors of rotations are small: products of them are
+    /// negligible.
     pub fn add_pose(&mut self, view: usize, pose: &Pose, given: &Pose, prior: &PosePrior) {
         let mean = prior.mean(view, given);
-        let [turned, shifted] = difference(&mean, pose);
         let mean_from_world = mean.rotation_matrix().transpose();
         let turn = mean_from_world * self.radius.recip();
         // A turn w about the middle moves the camera by w x arm.
         let swing = turn * -cross_matrix(pose.translation() - self.center);
-        let shared = (!prior.is_exact(view)).then(|| self.shared());
-        let [shared_turn, shared_shift] = self.minus_shared();
-        let by_shared = |derivatives| shared.map(|shared| (shared, derivatives));
-        let PoseDeviation { position, rotation } = prior.deviation(view);
-        self.add_vector((view, [turn, DMat3::ZERO]), by_shared(shared_turn), rotation, turned);
-        self.add_vector((view, [swing, mean_from_world]), by_shared(shared_shift), position, shifted);
+        let by_view = [[turn, DMat3::ZERO], [swing, mean_from_world]].map(|by| (view, by));
+        let is_exact = prior.is_exact(view);
+        let by_shared = self.by_shared(if is_exact { 0.0 } else { -1.0 });
+        let errors = self.add_errors(difference(&mean, pose), [by_view, by_shared], prior.deviation(view));
+        if !is_exact {
+            self.errors.push(errors);
+        }
     }
 
-    /// Adds the prior of the error that the given poses share.
+    /// Adds the prior of the error that the given poses share. It is the last to be added.
     pub fn add_shared_error(&mut self, prior: &PosePrior) {
-        let [turned, shifted] = difference(&prior.given_from_camera, &Pose::IDENTITY);
-        let PoseDeviation { position, rotation } = prior.shared;
-        let [turn, shift] = self.minus_shared();
-        self.add_vector((self.shared(), turn), None, rotation, turned);
-        self.add_vector((self.shared(), shift), None, position, shifted);
+        let value = difference(&Pose::IDENTITY, &prior.given_from_camera);
+        let errors = self.add_errors(value, [self.by_shared(1.0), self.by_shared(0.0)], prior.shared);
+        self.errors.push(errors);
     }
 
     /// The number of the shared error among the unknowns.
@@ -82,21 +92,32 @@ impl JointEquations {
         self.gradient.len() / 6 - 1
     }
 
-    /// Derivatives of a remaining rotation and of a remaining translation by those of the shared error.
-    fn minus_shared(&self) -> [[DMat3; 2]; 2] {
-        [[-DMat3::IDENTITY * self.radius.recip(), DMat3::ZERO], [DMat3::ZERO, -DMat3::IDENTITY]]
+    /// The derivatives of a rotation and of a position in the camera frame by the shared error.
+    fn by_shared(&self, sign: f64) -> [ByUnknown; 2] {
+        let unit = DMat3::IDENTITY * sign;
+        [[unit * self.radius.recip(), DMat3::ZERO], [DMat3::ZERO, unit]].map(|by| (self.shared(), by))
     }
 
-    /// Adds a residual vector with this deviation per axis.
-    fn add_vector(&mut self, by: ByUnknown, also_by: Option<ByUnknown>, deviation: f64, residual: DVec3) {
-        for axis in 0..3 {
-            let row = |(unknown, [turn, shift]): ByUnknown| {
+    /// Adds the errors of a rotation and of a position, with their derivatives by two unknowns, as residuals
+    /// with this deviation.
+    fn add_errors(
+        &mut self,
+        values: [DVec3; 2],
+        by: [[ByUnknown; 2]; 2],
+        deviation: PoseDeviation,
+    ) -> [PoseError; 6] {
+        let weights = [deviation.rotation, deviation.position].map(|deviation| deviation.powi(-2));
+        std::array::from_fn(|i| {
+            let (kind, axis) = (i / 3, i % 3);
+            let derivatives = by.map(|by| {
+                let (unknown, [turn, shift]) = by[kind];
                 let (turn, shift) = (turn.row(axis), shift.row(axis));
                 (unknown, [turn.x, turn.y, turn.z, shift.x, shift.y, shift.z])
-            };
-            let rows: Vec<_> = [by].into_iter().chain(also_by).map(row).collect();
-            self.add(&rows, deviation.powi(-2), residual[axis]);
-        }
+            });
+            let error = PoseError { value: values[kind][axis], derivatives };
+            self.add(&derivatives, weights[kind], error.value);
+            error
+        })
     }
 
     /// Adds a residual with its derivatives by the six unknowns of views.
@@ -115,24 +136,72 @@ impl JointEquations {
         }
     }
 
-    /// Returns the step to the minimum; `None` if the equations do not determine it.
-    pub fn solve(self) -> Option<JointStep> {
-        let n_views = self.shared();
-        let solution = solve(self.squares, &self.gradient)?;
-        let mut unknowns =
-            solution.chunks(6).map(|step| [-DVec3::from_slice(step), -DVec3::from_slice(&step[3..])]);
-        let moved = |[turn, shift]: [DVec3; 2]| (turn.length_squared() + shift.length_squared()).sqrt();
-        let views = unknowns.clone().take(n_views);
-        let size = views.clone().map(moved).fold(0.0, f64::max);
-        let turned = |turn: DVec3| DQuat::from_scaled_axis(turn / self.radius);
-        let motion = |[turn, shift]: [DVec3; 2]| {
+    /// Factors the equations; `None` if they do not determine all unknowns.
+    pub fn factored(self) -> Option<FactoredEquations> {
+        let factor = Cholesky::of(self.squares.clone(), self.gradient.len())?;
+        Some(FactoredEquations { equations: self, factor })
+    }
+}
+
+/// Equations whose solution and its uncertainty are known.
+pub(super) struct FactoredEquations {
+    equations: JointEquations,
+    factor: Cholesky,
+}
+
+impl FactoredEquations {
+    /// Returns the step to the minimum; `None` if it leads out of reach.
+    pub fn step(&self) -> Option<JointStep> {
+        let &JointEquations { center, radius, ref gradient, .. } = &self.equations;
+        let solution = self.factor.solve(gradient);
+        let unknowns: Vec<_> = solution
+            .chunks(6)
+            .map(|step| [-DVec3::from_slice(step), -DVec3::from_slice(&step[3..])])
+            .collect();
+        let (&[turn, shift], views) = unknowns.split_last()?;
+        let moved = |[turn, shift]: &[DVec3; 2]| (turn.length_squared() + shift.length_squared()).sqrt();
+        let size = views.iter().map(moved).fold(0.0, f64::max);
+        let turned = |turn: DVec3| DQuat::from_scaled_axis(turn / radius);
+        let motion = |&[turn, shift]: &[DVec3; 2]| {
             let turn = turned(turn);
-            Pose::new(turn, shift + self.center - turn * self.center).ok()
+            Pose::new(turn, shift + center - turn * center).ok()
         };
-        let motions = views.map(motion).collect::<Option<Vec<_>>>()?;
-        let [turn, shift] = unknowns.next_back()?;
+        let motions = views.iter().map(motion).collect::<Option<Vec<_>>>()?;
         let of_shared = Pose::new(turned(turn), shift).ok()?;
         Some(JointStep { motions, of_shared, size })
+    }
+
+    /// Returns the most likely deviation of the views' own errors: the mean of their squares, each with the
+    /// variance of what is known of it (expectation maximisation). `None` if all views are exact.
+    pub fn own_deviation(&self) -> Option<PoseDeviation> {
+        let (_, own) = self.equations.errors.split_last()?;
+        (!own.is_empty()).then(|| {
+            let square = |error: &PoseError| error.value.powi(2) + self.variance(error);
+            let root_mean = |axes: std::ops::Range<usize>| {
+                let squares = own.iter().flat_map(|errors| &errors[axes.clone()]).map(square);
+                (squares.sum::<f64>() / (3 * own.len()) as f64).sqrt()
+            };
+            PoseDeviation { rotation: root_mean(0..3), position: root_mean(3..6) }
+        })
+    }
+
+    /// Returns the deviation of what is known of the shared error: the root of the sum over three axes.
+    pub fn shared_deviation(&self) -> PoseDeviation {
+        let root = |errors: &[PoseError]| errors.iter().map(|error| self.variance(error)).sum::<f64>().sqrt();
+        match self.equations.errors.last() {
+            Some(errors) => PoseDeviation { rotation: root(&errors[..3]), position: root(&errors[3..]) },
+            None => PoseDeviation { rotation: f64::INFINITY, position: f64::INFINITY },
+        }
+    }
+
+    /// The variance of what is known of an error.
+    fn variance(&self, error: &PoseError) -> f64 {
+        let mut derivatives = vec![0.0; self.equations.gradient.len()];
+        for (unknown, along) in &error.derivatives {
+            let at = 6 * unknown;
+            derivatives[at..at + 6].iter_mut().zip(along).for_each(|(sum, value)| *sum += value);
+        }
+        self.factor.variance(&derivatives)
     }
 }
 
@@ -211,7 +280,7 @@ mod tests {
                 }
                 (0..4).for_each(|i| equations.add_pose(i, &poses[i], &given[i], &prior));
                 equations.add_shared_error(&prior);
-                let step = equations.solve().unwrap();
+                let step = equations.factored().unwrap().step().unwrap();
                 poses.iter_mut().zip(&step.motions).for_each(|(pose, motion)| *pose = *motion * *pose);
                 prior.given_from_camera = prior.given_from_camera * step.of_shared;
             }
@@ -232,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn without_residuals_there_is_no_step() {
-        assert!(JointEquations::new(2, [].iter()).solve().is_none());
+    fn without_residuals_nothing_is_determined() {
+        assert!(JointEquations::new(2, [].iter()).factored().is_none());
     }
 }

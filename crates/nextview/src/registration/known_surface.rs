@@ -4,6 +4,7 @@ use super::icp::{SearchReach, pairs};
 use super::joint::{self, JointView};
 use super::pair::Pair;
 use super::point_tree::PointTree;
+use super::pose_fit::PoseFit;
 use super::pose_prior::PosePrior;
 use super::surface_points::{SurfacePoint, surface_points};
 use super::{GivenPoses, Registration, RegistrationConfig};
@@ -84,6 +85,8 @@ pub struct Realigned {
     /// Whether they moved points of an earlier frame by more than a tenth of a cell (root mean square) from
     /// where they were when this was last so, or when the frame was added: by more than a map notices.
     pub is_far: bool,
+    /// How well they fit together.
+    pub fit: PoseFit,
 }
 
 /// Final search distance for correspondences, in cells: twice the distance between neighbouring known points.
@@ -175,7 +178,7 @@ impl KnownSurface {
         let reach = SearchReach { last: REACH_IN_FINE_CELLS * finest, first: self.reach().last };
         let mut joint: Vec<_> = self.views.iter().map(|view| view.joint.clone()).collect();
         let mut prior = self.prior;
-        joint::align(&mut joint, &mut prior, near, reach, cancel)?;
+        let fit = joint::align(&mut joint, &mut prior, near, reach, cancel)?;
         let mut views = self.views.clone();
         views.iter_mut().zip(joint).for_each(|(view, joint)| view.joint = joint);
         let (last, earlier) = views.split_last_mut().expect("there are frames");
@@ -189,7 +192,8 @@ impl KnownSurface {
         views.iter().for_each(|view| view.pool(&self.lattice, &mut slots, &mut pools));
         self.tree = tree(&pools, cancel)?;
         (self.slots, self.pools, self.views, self.prior) = (slots, pools, views, prior);
-        Ok(Some(Realigned { poses: self.views.iter().map(|view| view.joint.pose).collect(), is_far }))
+        let poses = self.views.iter().map(|view| view.joint.pose).collect();
+        Ok(Some(Realigned { poses, is_far, fit }))
     }
 
     /// Aligns the surface that a frame shows in and around a box (world coordinates, finite) to the known

@@ -20,6 +20,7 @@ mod normal_equations;
 mod outcome;
 mod pair;
 mod point_tree;
+mod pose_fit;
 mod pose_prior;
 mod surface_points;
 
@@ -30,6 +31,7 @@ pub use known_surface::{KnownSurface, Realigned};
 pub use mode::RegistrationMode;
 pub use outcome::{Registration, Verdict};
 pub use pair::Pair;
+pub use pose_fit::{HandEyeError, PoseFit};
 pub use surface_points::SurfacePoint;
 
 pub(crate) use agreement::{Agreement, apart};

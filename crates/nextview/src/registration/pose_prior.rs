@@ -4,11 +4,16 @@ use super::{GivenPoses, RegistrationConfig};
 use crate::geometry::Pose;
 use glam::DVec3;
 
-/// Deviation of a given pose's own error, and of the error that all given poses share, as shares of the
-/// [uncertainty](RegistrationConfig), which is their maximum. By default 5 mm and 1 degree, 10 mm and 2
-/// degrees.
+/// Deviation of a given pose's own error before frames have shown it, and of the error that all given poses
+/// share, as shares of the [uncertainty](RegistrationConfig), which is their maximum. By default 5 mm and 1
+/// degree, 10 mm and 2 degrees.
 const OWN: f64 = 0.1;
 const SHARED: f64 = 0.2;
+
+/// Range of the deviation of given poses' own errors that frames may show, as shares of the uncertainty. By
+/// default 0.1 to 17 mm, and 0.02 to 3.3 degrees.
+const LEAST_OWN: f64 = 0.002;
+const MOST_OWN: f64 = 1.0 / 3.0;
 
 /// Deviation of what has no error, as a share of that of what has one.
 const EXACT: f64 = 1e-4;
@@ -22,6 +27,12 @@ pub(super) struct PoseDeviation {
     pub rotation: f64,
 }
 
+impl PoseDeviation {
+    fn times(&self, factor: f64) -> Self {
+        Self { position: factor * self.position, rotation: factor * self.rotation }
+    }
+}
+
 /// The prior of all poses: `world_from_camera = world_from_given * given_from_camera * own_error`.
 ///
 /// A robot knows where its flange is; if the calibration of the camera on it is wrong, it is wrong in the
@@ -30,8 +41,12 @@ pub(super) struct PoseDeviation {
 pub(super) struct PosePrior {
     /// Of the own error of a pose.
     own: PoseDeviation,
+    /// The largest error of a pose.
+    uncertainty: PoseDeviation,
     /// Of `given_from_camera`, whose mean is the identity.
     pub shared: PoseDeviation,
+    /// Whether the given poses may share an error; those found by alignment do not.
+    pub may_share_error: bool,
     /// Whether the first pose is exact: it then has neither error.
     is_first_exact: bool,
     /// The error that all given poses share: of a camera on a robot, the hand-eye error.
@@ -41,15 +56,14 @@ pub(super) struct PosePrior {
 impl PosePrior {
     /// Returns the prior that this configuration describes, with no error yet.
     pub fn new(config: &RegistrationConfig) -> Self {
-        let share_of = |share: f64| PoseDeviation {
-            position: share * config.position_uncertainty,
-            rotation: share * config.rotation_uncertainty,
-        };
-        // Poses found by alignment have no error in common.
-        let shared = if config.given_poses == GivenPoses::Tracked { EXACT } else { SHARED };
+        let uncertainty =
+            PoseDeviation { position: config.position_uncertainty, rotation: config.rotation_uncertainty };
+        let may_share_error = config.given_poses != GivenPoses::Tracked;
         Self {
-            own: share_of(OWN),
-            shared: share_of(shared),
+            own: uncertainty.times(OWN),
+            uncertainty,
+            shared: uncertainty.times(if may_share_error { SHARED } else { EXACT }),
+            may_share_error,
             is_first_exact: config.given_poses != GivenPoses::Independent,
             given_from_camera: Pose::IDENTITY,
         }
@@ -67,8 +81,20 @@ impl PosePrior {
 
     /// Returns the deviation of the pose of a view from its mean.
     pub fn deviation(&self, view: usize) -> PoseDeviation {
-        let share = if self.is_exact(view) { EXACT } else { 1.0 };
-        PoseDeviation { position: share * self.own.position, rotation: share * self.own.rotation }
+        self.own.times(if self.is_exact(view) { EXACT } else { 1.0 })
+    }
+
+    /// Adopts the deviation of the poses' own errors that frames have shown. Returns its largest change, as a
+    /// share of what it was.
+    pub fn adopt_own(&mut self, shown: PoseDeviation) -> f64 {
+        let clamp = |shown: f64, most: f64| shown.clamp(LEAST_OWN * most, MOST_OWN * most);
+        let before = self.own;
+        self.own = PoseDeviation {
+            position: clamp(shown.position, self.uncertainty.position),
+            rotation: clamp(shown.rotation, self.uncertainty.rotation),
+        };
+        let change = |now: f64, before: f64| (now / before - 1.0).abs();
+        change(self.own.position, before.position).max(change(self.own.rotation, before.rotation))
     }
 }
 

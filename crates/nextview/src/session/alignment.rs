@@ -1,6 +1,7 @@
 use crate::geometry::{Aabb, Pose};
 use crate::registration::{
-    Agreement, GivenPoses, KnownSurface, Realigned, Registration, RegistrationConfig, RegistrationMode,
+    Agreement, GivenPoses, KnownSurface, PoseFit, Realigned, Registration, RegistrationConfig,
+    RegistrationMode,
 };
 use crate::sensor::Frame;
 use crate::{Cancel, Cancelled, Error};
@@ -17,6 +18,8 @@ pub(super) struct Alignment {
     spacing: f64,
     given: PoseErrors,
     agreement: Agreement,
+    /// How well the frames fit together; `None` unless all were aligned with the last one.
+    fit: Option<PoseFit>,
     /// Whether given poses come from a source other than alignment to the known surface.
     is_proof: bool,
 }
@@ -46,12 +49,20 @@ impl Alignment {
         let given = PoseErrors { tolerance: 0.5 * spacing, n: 0, sum_sq: 0.0 };
         let is_proof = config.given_poses != GivenPoses::Tracked;
         let agreement = Agreement::default();
-        Ok(Self { known, is_active: mode == RegistrationMode::On, spacing, given, agreement, is_proof })
+        Ok(Self {
+            known,
+            is_active: mode == RegistrationMode::On,
+            spacing,
+            given,
+            agreement,
+            fit: None,
+            is_proof,
+        })
     }
 
     /// Returns the state before the first frame, but keeps the errors of the given poses.
     pub fn without_surface(&self) -> Self {
-        Self { known: self.known.as_ref().map(KnownSurface::without_points), ..*self }
+        Self { known: self.known.as_ref().map(KnownSurface::without_points), fit: None, ..*self }
     }
 
     /// Whether frames are aligned.
@@ -108,12 +119,19 @@ impl Alignment {
     /// Aligns all frames to each other. Returns their poses in the order of [`remember`](Self::remember), or
     /// `None` if they stay. Frames from before there was a box are not included.
     pub fn realign(&mut self, bounds: Option<Aabb>, cancel: &Cancel) -> Result<Option<Realigned>, Cancelled> {
-        match (&mut self.known, bounds) {
+        let realigned = match (&mut self.known, bounds) {
             (Some(known), Some(bounds)) if self.is_active && !self.given.are_right() => {
-                known.realign(bounds, cancel)
+                known.realign(bounds, cancel)?
             }
-            _ => Ok(None),
-        }
+            _ => None,
+        };
+        self.fit = realigned.as_ref().map(|realigned| realigned.fit.clone());
+        Ok(realigned)
+    }
+
+    /// How well the frames fit together; `None` unless all were aligned with the last one.
+    pub fn fit(&self) -> Option<&PoseFit> {
+        self.fit.as_ref()
     }
 }
 

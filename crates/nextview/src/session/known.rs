@@ -6,7 +6,7 @@ use crate::map::{OccupancyMap, Snapshot};
 use crate::motion::Trajectory;
 use crate::object::{ObjectBox, OtherBody, TableTops};
 use crate::placement::{NextPlacement, Turn, TurnRefusal, next_placement};
-use crate::registration::{Registration, RegistrationMode};
+use crate::registration::{PoseFit, Registration, RegistrationMode};
 use crate::sensor::{DepthRange, Frame, SurfaceNoise};
 use crate::view::ViewSpace;
 use crate::{Cancel, Cancelled, Error};
@@ -100,6 +100,12 @@ impl Session {
     /// begins once the given poses disagree, and ends if most frames cannot be aligned.
     pub fn aligns_frames(&self) -> bool {
         self.scene.alignment.is_active()
+    }
+
+    /// Returns how well the aligned frames fit together, in the order of those of an earlier placement and of
+    /// [`frames`](Self::frames); `None` if frames are not aligned to each other.
+    pub fn pose_fit(&self) -> Option<&PoseFit> {
+        self.scene.alignment.fit()
     }
 
     /// Returns the range of depths that the camera measures, metres.

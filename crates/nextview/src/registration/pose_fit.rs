@@ -1,0 +1,80 @@
+use crate::geometry::Pose;
+
+/// How well aligned frames fit together, and what this shows of their given poses.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PoseFit {
+    /// By frame, the root mean square distance, metres, of its surface from those of the other frames; `None`
+    /// if it meets no other.
+    pub residuals: Vec<Option<f64>>,
+    /// The error that all given poses share; `None` if they come from alignment, so that none is shared.
+    pub hand_eye: Option<HandEyeError>,
+}
+
+/// The error that all given poses share. For a camera on a robot, this is the error of the hand-eye
+/// calibration: the true `flange_from_camera` is the calibrated one times `given_from_camera`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandEyeError {
+    /// The most likely error: a camera's pose is its given one times this, up to the given one's own error.
+    pub given_from_camera: Pose,
+    /// Standard deviation of the translation, metres: of the distance from the true one.
+    pub position_deviation: f64,
+    /// Standard deviation of the rotation, radians.
+    pub rotation_deviation: f64,
+}
+
+/// An error that exceeds its deviation this many times is hardly ever due to chance.
+const CLEARLY: f64 = 2.0;
+
+impl PoseFit {
+    /// Returns the root mean square of the frames' residuals, metres; `None` if no frames meet.
+    pub fn residual(&self) -> Option<f64> {
+        let (n, squares) = self
+            .residuals
+            .iter()
+            .flatten()
+            .fold((0, 0.0), |(n, sum), residual| (n + 1, sum + residual.powi(2)));
+        (n > 0).then(|| (squares / f64::from(n)).sqrt())
+    }
+}
+
+impl HandEyeError {
+    /// Returns the length of the translation, metres.
+    pub fn moved(&self) -> f64 {
+        self.given_from_camera.translation().length()
+    }
+
+    /// Returns the angle of the rotation, radians.
+    pub fn turned(&self) -> f64 {
+        2.0 * self.given_from_camera.rotation().xyz().length().min(1.0).asin()
+    }
+
+    /// Whether the frames show that there is an error: it is more than twice its deviation.
+    pub fn is_shown(&self) -> bool {
+        self.moved() > CLEARLY * self.position_deviation || self.turned() > CLEARLY * self.rotation_deviation
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DQuat, DVec3};
+
+    #[test]
+    fn an_error_is_shown_if_it_clearly_exceeds_what_is_unknown_of_it() {
+        let of = |shift: f64, turn: f64| HandEyeError {
+            given_from_camera: Pose::new(DQuat::from_rotation_x(turn), DVec3::Y * shift).unwrap(),
+            position_deviation: 0.001,
+            rotation_deviation: 0.01,
+        };
+        assert!(!of(0.0, 0.0).is_shown() && !of(0.0019, -0.019).is_shown());
+        assert!(of(0.0021, 0.0).is_shown() && of(0.0, -0.021).is_shown());
+        assert!((of(0.003, -0.02).turned() - 0.02).abs() < 1e-12 && of(0.003, 0.0).moved() == 0.003);
+    }
+
+    #[test]
+    fn frames_that_meet_no_other_have_no_residual() {
+        assert_eq!(PoseFit::default().residual(), None);
+        let fit = PoseFit { residuals: vec![Some(3.0), None, Some(4.0)], hand_eye: None };
+        assert_eq!(fit.residual(), Some(12.5_f64.sqrt()));
+    }
+}
