@@ -262,11 +262,17 @@ pub struct TableTops {
 
 impl TableTops {
     /// Returns the plane, in world coordinates, above which the points of a frame do not belong to the table.
-    /// Only points outside the object's box count, since the top of a flat part is not a table.
+    /// Only points next to the object's box count: the top of a flat part is not a table, and a camera that
+    /// looks along the table sees a strip of the wall behind it at the same height.
     pub fn in_frame(&self, frame: &Frame) -> Plane {
-        let Self { table, object: Aabb { min, max } } = self;
-        let is_beside = |p: &DVec3| p.x < min.x || p.x > max.x || p.y < min.y || p.y > max.y;
-        let points: Vec<DVec3> = frame.points().filter(is_beside).collect();
+        let Self { table, object } = self;
+        let (min, max) = (object.min.truncate(), object.max.truncate());
+        let reach = object.longest_side();
+        let is_in = |p: &DVec3, margin: f64| {
+            let p = p.truncate();
+            p.cmpge(min - margin).all() && p.cmple(max + margin).all()
+        };
+        let points: Vec<DVec3> = frame.points().filter(|p| is_in(p, reach) && !is_in(p, 0.0)).collect();
         let camera = frame.world_from_camera().translation();
         let fit = fit_ground_stated(table.plane, POSE_ERROR, &points, camera);
         let fit = fit.filter(|fit| is_flat(fit, &points, camera));
@@ -309,6 +315,18 @@ mod tests {
             let height = search.known().unwrap().plane.height(DVec3::Z * z);
             assert!(height.abs() < 1e-6, "{pose_error:?}: {height}");
         }
+    }
+
+    #[test]
+    fn a_wall_behind_a_table_seen_from_the_side_is_no_table() {
+        // A camera a few centimetres above a table, too flat to measure it, in front of a wall at two metres.
+        let optics = Intrinsics::pinhole(160, 120, DVec2::splat(150.0), DVec2::new(79.5, 59.5)).unwrap();
+        let image = DepthImage::from_metres(160, 120, vec![2.0; 160 * 120]).unwrap();
+        let pose = look_at(DVec3::new(0.25, 0.0, 0.03), DVec3::Z * 0.03).unwrap();
+        let frame = Frame::new(image, optics, pose, 4.0).unwrap();
+        let table = Table::AtHeight(0.0).find(&[], &Cancel::default()).unwrap().unwrap();
+        let object = Aabb { min: DVec3::new(-0.04, -0.04, 0.002), max: DVec3::new(0.04, 0.04, 0.06) };
+        assert_eq!(TableTops { table, object }.in_frame(&frame), table.top);
     }
 
     #[test]
