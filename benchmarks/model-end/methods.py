@@ -115,32 +115,27 @@ def random(cell, stages):
     yield from scanned(cell, stages, list(random_views(cell, max(stages))))
 
 
-def captured(cell, n, clock):
-    """The frames of even views."""
-    for pose in even_views(cell, n):
-        clock.move(pose)
-        yield cell.capture(pose)
+def in_open3d(cell, stages, registered):
+    """Even views fused by Open3D."""
+    for n in stages:
+        clock, frames = Clock(), []
+        for pose in even_views(cell, n):
+            clock.move(pose)
+            frames.append(cell.capture(pose))
+        with clock:
+            frames = aligned(cell, frames) if registered else frames
+            model = fused(cell, frames)
+        yield n, clock.seconds, model, [pose for _, pose in frames]
 
 
 def even_open3d(cell, stages):
     """Even views fused by Open3D with the poses as given."""
-    for n in stages:
-        clock = Clock()
-        frames = list(captured(cell, n, clock))
-        with clock:
-            model = fused(cell, frames)
-        yield n, clock.seconds, model, [pose for _, pose in frames]
+    yield from in_open3d(cell, stages, registered=False)
 
 
 def even_multiway(cell, stages):
     """Even views fused by Open3D after its multiway registration."""
-    for n in stages:
-        clock = Clock()
-        frames = list(captured(cell, n, clock))
-        with clock:
-            frames = aligned(cell, frames)
-            model = fused(cell, frames)
-        yield n, clock.seconds, model, [pose for _, pose in frames]
+    yield from in_open3d(cell, stages, registered=True)
 
 
 METHODS = {"nextview": default, "even views": even, "random views": random, "even views, Open3D": even_open3d,

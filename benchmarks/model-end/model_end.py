@@ -13,6 +13,7 @@ that NEXTVIEW_DATA names, at true size, and a bracket that the benchmark makes i
 
 import argparse
 import concurrent.futures
+import importlib.util
 import json
 import os
 import pathlib
@@ -24,6 +25,7 @@ from methods import METHODS
 
 HERE = pathlib.Path(__file__).resolve().parent
 MESHES = pathlib.Path(os.environ.get("NEXTVIEW_DATA", HERE / "../../../shared/data")).resolve() / "meshes"
+PACKAGES = ["trimesh", "manifold3d", "open3d", "nextview"]
 STAGES = [6, 8, 12]
 ERRORS = {
     "exact": PoseErrors(),
@@ -150,11 +152,19 @@ def main():
     parser.add_argument("--methods", nargs="+", choices=list(METHODS), default=list(METHODS))
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     options = parser.parse_args()
+    names = [name for name in OBJECTS if not options.only or any(part in name for part in options.only)]
+    if not names:
+        parser.error(f"no object's name contains any of {options.only}; the objects are {', '.join(OBJECTS)}")
+    absent = [str(MESHES / OBJECTS[name][0]) for name in names if OBJECTS[name] and not (MESHES / OBJECTS[name][0]).is_file()]
+    if absent:
+        parser.error(f"NEXTVIEW_DATA names a folder without {', '.join(absent)}; `--only bracket` needs no file")
+    lacking = [package for package in PACKAGES if not importlib.util.find_spec(package)]
+    if lacking:
+        parser.error(f"install {', '.join(lacking)} first")
     options.out.mkdir(parents=True, exist_ok=True)
     kept = options.out / "rows.jsonl"
     rows = [json.loads(line) for line in kept.read_text(encoding="utf-8").splitlines()] if kept.exists() else []
     done = {tuple(row[key] for key in ("object", "seed", "errors", "sensor", "missing", "method")) for row in rows}
-    names = [name for name in OBJECTS if not options.only or any(part in name for part in options.only)]
     jobs = [(name, seed, errors, sensor, missing, method)
             for seed in range(1, options.seeds + 1) for errors in options.errors for sensor in options.sensors
             for missing in options.missing for name in names for method in options.methods]

@@ -179,7 +179,7 @@ fn all_frames_together_lie_where_the_given_poses_most_likely_are() {
         by_all * 125.0,
         turned.to_degrees() / 8.0
     );
-    assert!(2.0 * by_all < by_first, "{by_all} {by_first}");
+    assert!(2.0 * by_all < by_first && by_all < 8.0 * 0.003, "{by_all} {by_first}");
 }
 
 /// Twelve views of an object from a robot whose calibration is wrong by this pose, and whose own errors are

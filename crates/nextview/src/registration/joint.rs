@@ -104,7 +104,7 @@ impl JointView {
 /// prior of their poses. The error that the poses share and the deviation of their own errors are found as
 /// well. Returns how well the views fit together.
 pub(super) fn align(
-    views: &mut [JointView],
+    views: &mut [&mut JointView],
     prior: &mut PosePrior,
     bounds: Aabb,
     reach: SearchReach,
@@ -120,7 +120,7 @@ pub(super) fn align(
     for _ in 0..MAX_STEPS {
         let pairs = both
             .par_iter()
-            .map(|&[i, j]| cancel.check().map(|()| views[i].pairs(&views[j], &points[j], distance)));
+            .map(|&[i, j]| cancel.check().map(|()| views[i].pairs(views[j], &points[j], distance)));
         let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
         let (scale, least_noise) = (SCALE * distance, LEAST_NOISE * reach.last);
         let equations = equations(views, prior, &both, &pairs, scale, least_noise).factored();
@@ -156,7 +156,7 @@ pub(super) fn align(
 
 /// Returns the equations of these pairs, with robust weights for this scale, and of the prior.
 fn equations(
-    views: &[JointView],
+    views: &[&mut JointView],
     prior: &PosePrior,
     both: &[[usize; 2]],
     pairs: &[Vec<Pair>],
@@ -277,7 +277,14 @@ mod tests {
             let shared = moved(DVec3::new(0.02, -0.01, 0.015), DVec3::new(0.004, -0.003, 0.005));
             let (mut views, truths) = views(seed, 1e-3, &shared);
             let mut prior = PosePrior::new(&RegistrationConfig::default());
-            let fit = align(&mut views, &mut prior, BOUNDS, REACH, &Cancel::default()).unwrap();
+            let fit = align(
+                &mut views.iter_mut().collect::<Vec<_>>(),
+                &mut prior,
+                BOUNDS,
+                REACH,
+                &Cancel::default(),
+            )
+            .unwrap();
             let poses: Vec<_> = views.iter().map(|view| view.pose).collect();
             let off = apart(&as_first(&poses, &truths), &truths);
             let left = shared.inverse() * prior.given_from_camera;
@@ -307,7 +314,8 @@ mod tests {
         let alone = JointView::new(Vec::new(), views[3].given, views[3].given, &Cancel::default()).unwrap();
         views.push(alone);
         let mut prior = PosePrior::new(&RegistrationConfig::default());
-        align(&mut views, &mut prior, BOUNDS, REACH, &Cancel::default()).unwrap();
+        align(&mut views.iter_mut().collect::<Vec<_>>(), &mut prior, BOUNDS, REACH, &Cancel::default())
+            .unwrap();
         let expected = views[3].given * prior.given_from_camera;
         assert!(apart(&[views[12].pose], &[expected]) < 1e-6);
     }
@@ -318,7 +326,8 @@ mod tests {
         let first = views[0].pose;
         let given_poses = crate::registration::GivenPoses::FirstIsRight;
         let mut prior = PosePrior::new(&RegistrationConfig { given_poses, ..RegistrationConfig::default() });
-        align(&mut views, &mut prior, BOUNDS, REACH, &Cancel::default()).unwrap();
+        align(&mut views.iter_mut().collect::<Vec<_>>(), &mut prior, BOUNDS, REACH, &Cancel::default())
+            .unwrap();
         assert_eq!(views[0].pose, first);
     }
 }

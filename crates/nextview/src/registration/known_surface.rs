@@ -174,13 +174,11 @@ impl KnownSurface {
             return Ok(None);
         }
         let near = Aabb { min: bounds.min - self.spacing, max: bounds.max + self.spacing };
-        let finest = self.views.iter().map(|view| view.fine_spacing).fold(0.0, f64::max);
-        let reach = SearchReach { last: REACH_IN_FINE_CELLS * finest, first: self.reach().last };
-        let mut joint: Vec<_> = self.views.iter().map(|view| view.joint.clone()).collect();
-        let mut prior = self.prior;
+        let coarsest = self.views.iter().map(|view| view.fine_spacing).fold(0.0, f64::max);
+        let reach = SearchReach { last: REACH_IN_FINE_CELLS * coarsest, first: self.reach().last };
+        let (mut views, mut prior) = (self.views.clone(), self.prior);
+        let mut joint: Vec<_> = views.iter_mut().map(|view| &mut view.joint).collect();
         let fit = joint::align(&mut joint, &mut prior, near, reach, cancel)?;
-        let mut views = self.views.clone();
-        views.iter_mut().zip(joint).for_each(|(view, joint)| view.joint = joint);
         let (last, earlier) = views.split_last_mut().expect("there are frames");
         let moved = earlier.iter().map(|view| view.joint.moved_from(&view.far_pose, near));
         let is_far = moved.fold(0.0, f64::max) > LEAST_MOTION * self.spacing;
