@@ -9,9 +9,9 @@ use nextview::sensor::ColorImage;
 use nextview::session::{NextView, Session};
 use nextview_scan::files::Overwrite;
 use nextview_scan::{
-    Captured, Evaluator, Fault, Faults, FrameSource, Measured, Next, NoiseModel, PlannerName, Results,
-    RunOptions, ScanConfig, ScanRecord, ScanRun, ScanState, SimulatedObject, Simulation, SizeOf, StepRecord,
-    TableRule, Truth, ViewSpaceName, begin_results, write_results,
+    BoxRule, Captured, Evaluator, Fault, Faults, FrameSource, Measured, Next, NoiseModel, PlannerName,
+    Results, RunOptions, ScanConfig, ScanRecord, ScanRun, ScanState, SimulatedObject, Simulation, SizeOf,
+    StepRecord, TableRule, Truth, ViewSpaceName, begin_results, write_results,
 };
 
 fn config() -> ScanConfig {
@@ -243,6 +243,20 @@ fn wrong_poses_are_found_out_and_all_frames_are_aligned() {
     let [found] = &warnings_in(&steps)[..] else { panic!("one warning, once") };
     assert!(found.ends_with(" mm apart; from now on, all frames are aligned to each other"), "{found}");
     assert!(steps[0].registration_verdict.is_none() && steps[3].registration_verdict.is_some());
+}
+
+/// Alignment moves frames by less than the map notices; their points are in other cells then.
+#[test]
+fn bodies_are_told_apart_though_aligned_frames_have_moved() {
+    for max_gap_m in [0.0, 0.01] {
+        let mut config = noisy_mug(1.5, RegistrationMode::On);
+        config.object_box.rule = BoxRule::Grows;
+        config.object_box.table = TableRule::Fit;
+        config.object_box.max_gap_m = max_gap_m;
+        let object = SimulatedObject::new(&config).unwrap();
+        let simulation = Simulation::new(&object, &config, None);
+        assert_eq!(scanned(&simulation, &config).session.other_bodies().unwrap(), []);
+    }
 }
 
 #[test]

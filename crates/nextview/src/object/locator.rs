@@ -73,12 +73,7 @@ impl Locator {
         let (object, bounds) = match self.object_box {
             ObjectBox::Known(bounds) => (Some(bounds), Some(bounds)),
             ObjectBox::Growing => {
-                for (i, frame) in frames.iter().enumerate().skip(n_known) {
-                    cancel.check()?;
-                    let table = table.filter(|_| i >= self.n_earlier);
-                    let table = table.map(|table| ShownTable::new(table, frame));
-                    self.points.add(frame, table, cancel)?;
-                }
+                self.points.add_all(self.with_table(frames, n_known), cancel)?;
                 let cameras = frames.iter().map(|frame| frame.world_from_camera().translation());
                 let object = self.points.bounds().map(|seen| as_deep_as_wide(&seen, cameras));
                 (object, object.map(|object| growing_box(&object, self.voxel_size)))
@@ -101,12 +96,32 @@ impl Locator {
         }
     }
 
-    /// Returns the bodies near an object whose box grows; empty if the box is known.
+    /// Returns the bodies near an object whose box grows, as shown by all these frames; empty if the box is
+    /// known. The frames may have moved since they were located.
     pub fn other_bodies(&self, frames: &[Frame], cancel: &Cancel) -> Result<Vec<OtherBody>, Cancelled> {
         match self.object_box {
             ObjectBox::Known(_) => Ok(Vec::new()),
-            ObjectBox::Growing => other_bodies(&self.points, frames, self.table.known(), cancel),
+            ObjectBox::Growing => {
+                let mut points = self.points.without_points();
+                points.add_all(self.with_table(frames, 0), cancel)?;
+                let of_now = frames.get(self.n_earlier..).unwrap_or_default();
+                other_bodies(&points, of_now, self.table.known(), cancel)
+            }
         }
+    }
+
+    /// The frames but the first `n_known`, with the table as each shows it; those of the placement before
+    /// show none.
+    fn with_table<'a>(
+        &self,
+        frames: &'a [Frame],
+        n_known: usize,
+    ) -> impl Iterator<Item = (&'a Frame, Option<ShownTable>)> + use<'a> {
+        let (table, n_earlier) = (self.table.known(), self.n_earlier);
+        frames.iter().enumerate().skip(n_known).map(move |(i, frame)| {
+            let table = table.filter(|_| i >= n_earlier);
+            (frame, table.map(|table| ShownTable::new(table, frame)))
+        })
     }
 }
 

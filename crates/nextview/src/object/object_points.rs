@@ -62,6 +62,19 @@ impl ObjectPoints {
         self.object.clear();
     }
 
+    /// Adds the points of these frames without their tables. After cancellation, the points are unusable.
+    pub fn add_all<'a>(
+        &mut self,
+        frames: impl Iterator<Item = (&'a Frame, Option<ShownTable>)>,
+        cancel: &Cancel,
+    ) -> Result<(), Cancelled> {
+        for (frame, table) in frames {
+            cancel.check()?;
+            self.add(frame, table, cancel)?;
+        }
+        Ok(())
+    }
+
     /// Adds the points of a frame. After cancellation, the points are unusable.
     pub fn add(
         &mut self,

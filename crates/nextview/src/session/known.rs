@@ -66,7 +66,7 @@ impl Session {
     /// is known. A body is at least 20 connected points with free space around most of their outline: walls
     /// and floors are not bodies.
     pub fn other_bodies(&self) -> Result<Vec<OtherBody>, Cancelled> {
-        self.scene.locator.other_bodies(self.scene.frames.of_now(), &self.cancel)
+        self.scene.locator.other_bodies(&self.scene.frames.mapped, &self.cancel)
     }
 
     /// Returns the likely reason why the frames show nothing of the object, or do not fit together; `None` if
