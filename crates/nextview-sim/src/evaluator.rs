@@ -5,6 +5,7 @@ use crate::scene::Scene;
 use crate::surface::SurfaceCoverage;
 use crate::truth::{ObjectVoxels, VoxelScore};
 use fixedbitset::FixedBitSet;
+use glam::DVec3;
 use nextview::geometry::Pose;
 use nextview::sensor::Frame;
 use nextview::session::Session;
@@ -44,11 +45,12 @@ pub struct Evaluator<'a> {
     reachable: Option<&'a FixedBitSet>,
     surface: SurfaceCoverage,
     seen: FixedBitSet,
-    /// Numbers of observed frames and of mapped frames.
-    n_frames: usize,
-    n_mapped: usize,
-    /// Frames that are not in the map, by number.
-    waiting: BTreeMap<usize, FrameTruth>,
+    /// The points of the object that each observed frame shows, in its camera frame.
+    shown: Vec<Vec<DVec3>>,
+    /// Numbers and poses of the mapped frames whose points `surface` has.
+    counted: Vec<(usize, Pose)>,
+    /// Exact frames that have not been in the map, by number.
+    waiting: BTreeMap<usize, Frame>,
 }
 
 /// Captures a frame from a true pose. `is_first` marks the first frame of a scan, whose pose may be right
@@ -74,8 +76,8 @@ impl<'a> Evaluator<'a> {
             reachable: None,
             surface,
             seen: FixedBitSet::with_capacity(object.len()),
-            n_frames: 0,
-            n_mapped: 0,
+            shown: Vec::new(),
+            counted: Vec::new(),
             waiting: BTreeMap::new(),
         }
     }
@@ -89,15 +91,23 @@ impl<'a> Evaluator<'a> {
     /// aside.
     pub fn measure(&mut self, session: &Session, frame: &Frame, truth: FrameTruth) -> Measures {
         let misplacement = misplacement(&truth.exact, &frame.world_from_camera());
-        self.waiting.insert(self.n_frames, truth);
-        self.n_frames += 1;
-        let mapped = session.frame_numbers().iter().zip(session.frames()).skip(self.n_mapped);
-        for (number, frame) in mapped {
-            let Some(FrameTruth { exact, of_object }) = self.waiting.remove(number) else { continue };
-            self.seen.union_with(&self.object.seen_in(&exact));
-            self.surface.add(&of_object.with_pose(frame.world_from_camera()));
+        self.waiting.insert(self.shown.len(), truth.exact);
+        self.shown.push(truth.of_object.with_pose(Pose::IDENTITY).points().collect());
+        let poses = session.frames().iter().map(Frame::world_from_camera);
+        let mapped: Vec<_> = session.frame_numbers().iter().copied().zip(poses).collect();
+        // Registration may have moved earlier frames, or taken them out of the map.
+        if !mapped.starts_with(&self.counted) {
+            self.surface.clear();
+            self.counted.clear();
         }
-        self.n_mapped = session.frames().len();
+        for (number, pose) in &mapped[self.counted.len()..] {
+            if let Some(exact) = self.waiting.remove(number) {
+                self.seen.union_with(&self.object.seen_in(&exact));
+            }
+            let shown = self.shown.get(*number).into_iter().flatten();
+            self.surface.add_points(shown.map(|point| pose.transform_point(*point)));
+        }
+        self.counted = mapped;
         Measures {
             voxels: self.object.compare(&session.map().snapshot(self.object.block()), self.reachable),
             n_seen: self.seen.count_ones(..),

@@ -43,7 +43,13 @@ impl SurfaceCoverage {
         self.add_points(frame.points_in(self.bounds));
     }
 
-    fn add_points(&mut self, points: impl IntoIterator<Item = DVec3>) {
+    /// Forgets all measured points.
+    pub fn clear(&mut self) {
+        self.nearest_sq.fill(f64::INFINITY);
+    }
+
+    /// Adds measured points.
+    pub fn add_points(&mut self, points: impl IntoIterator<Item = DVec3>) {
         for point in points {
             for &i in self.cells.get(&cell(point)).into_iter().flatten() {
                 let distance_sq = self.samples[i as usize].distance_squared(point);

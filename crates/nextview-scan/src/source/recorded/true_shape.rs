@@ -4,8 +4,9 @@ use crate::{Fault, RecordingConfig, ScanConfig, StepRecord};
 use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use nextview::Cancel;
-use nextview::geometry::Lattice;
+use nextview::geometry::{Lattice, Pose};
 use nextview::object::planning_box;
+use nextview::sensor::Frame;
 use nextview::session::{Session, SessionConfig};
 use nextview_recording::{RecordedFrame, Recording, read_transform};
 use nextview_sim::accuracy::Accuracy;
@@ -85,7 +86,7 @@ impl TrueShape {
     /// The progress of a scan before its first frame, with the object voxels that any frame shows.
     pub fn progress<'a>(&'a self, reachable: Option<&'a FixedBitSet>) -> RecordedEvaluation<'a> {
         let surface = SurfaceCoverage::new(&self.mesh);
-        RecordedEvaluation { truth: self, reachable, surface, distances: Vec::new(), n_mapped: 0 }
+        RecordedEvaluation { truth: self, reachable, surface, distances: Vec::new(), counted: Vec::new() }
     }
 
     /// Number of object voxels.
@@ -99,23 +100,30 @@ pub(super) struct RecordedEvaluation<'a> {
     truth: &'a TrueShape,
     reachable: Option<&'a FixedBitSet>,
     surface: SurfaceCoverage,
-    /// Distances of all points that were in the box when measured.
+    /// Distances of all points that were in the box when their frame was counted.
     distances: Vec<f64>,
-    /// Number of frames in the map so far.
-    n_mapped: usize,
+    /// Poses of the mapped frames whose points are counted.
+    counted: Vec<Pose>,
 }
 
 impl RecordedEvaluation<'_> {
     /// Fills in the scan's progress with the frames in the map; returns the number of surface samples seen.
     pub fn measure(&mut self, session: &Session, record: &mut StepRecord) -> usize {
-        let Self { truth, reachable, surface, distances, n_mapped } = self;
-        for frame in &session.frames()[*n_mapped..] {
+        let Self { truth, reachable, surface, distances, counted } = self;
+        let mapped: Vec<_> = session.frames().iter().map(Frame::world_from_camera).collect();
+        // Registration may have moved earlier frames, or taken them out of the map.
+        if !mapped.starts_with(counted) {
+            surface.clear();
+            distances.clear();
+            counted.clear();
+        }
+        for frame in &session.frames()[counted.len()..] {
             let points: Vec<DVec3> =
                 session.bounds().into_iter().flat_map(|bounds| frame.points_in(bounds)).collect();
             distances.par_extend(points.par_iter().map(|point| truth.surface.distance().at(*point)));
             surface.add(frame);
         }
-        *n_mapped = session.frames().len();
+        *counted = mapped;
         let snapshot = session.map().snapshot(truth.voxels.block());
         record.set_voxels(&truth.voxels.compare(&snapshot, *reachable));
         [record.surface_coverage_1mm, record.surface_coverage_2mm, record.surface_coverage_5mm] =
