@@ -10,10 +10,11 @@ use super::joint_equations::JointEquations;
 use super::pair::Pair;
 use super::point_tree::PointTree;
 use super::pose_fit::{HandEyeError, PoseFit};
-use super::pose_prior::{PoseDeviation, PosePrior};
+use super::pose_prior::{PoseDeviation, PosePrior, difference};
 use super::surface_points::SurfacePoint;
 use crate::geometry::{Aabb, Pose};
 use crate::{Cancel, Cancelled};
+use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
 /// Maximum number of points of a frame, evenly chosen, that are paired with each other frame.
@@ -40,6 +41,14 @@ const INDEPENDENT: f64 = 0.05;
 /// Smallest deviation of a residual, as a share of the last reach: exact surfaces still differ by how they
 /// are sampled.
 const LEAST_NOISE: f64 = 0.01;
+
+/// Depth errors that neighbouring points share, per square metre of distance: cameras that triangulate are off in
+/// proportion to the square of the distance. That of a Kinect deviates by 1.425 mm at 1 m (Khoshelham and Elberink,
+/// Sensors 2012), in steps of 2.8 mm.
+const SYSTEMATIC: f64 = 1.425e-3;
+
+/// Number of patches of the surface that two views both show whose systematic errors count as independent.
+const PATCHES: f64 = 3.0;
 
 /// The surface shown by a frame, and its poses.
 #[derive(Clone, Debug)]
@@ -102,7 +111,8 @@ impl JointView {
 
 /// Moves all views to their most likely poses, given what they show in the box (world coordinates) and the
 /// prior of their poses. The error that the poses share and the deviation of their own errors are found as
-/// well. Returns how well the views fit together.
+/// well. An error that the views do not clearly show is not assumed: it would bend and displace the surface by
+/// chance. Returns how well the views fit together.
 pub(super) fn align(
     views: &mut [&mut JointView],
     prior: &mut PosePrior,
@@ -111,6 +121,27 @@ pub(super) fn align(
     cancel: &Cancel,
 ) -> Result<PoseFit, Cancelled> {
     let points: Vec<_> = views.iter().map(|view| view.some_points(bounds)).collect();
+    let mut fit = settle(views, prior, &points, reach, cancel)?;
+    let mut assumed = *prior;
+    if prior.may_share_error && !fit.hand_eye.is_some_and(|hand_eye| hand_eye.is_shown()) {
+        assumed = prior.without_shared_error();
+        let reach = SearchReach { first: reach.last, ..reach };
+        fit = PoseFit { hand_eye: fit.hand_eye, ..settle(views, &mut assumed, &points, reach, cancel)? };
+    }
+    place(views, &assumed, &fit, &points);
+    Ok(fit)
+}
+
+/// Moves all views to their most likely poses, given these points of theirs and the prior.
+fn settle(
+    views: &mut [&mut JointView],
+    prior: &mut PosePrior,
+    points: &[Vec<SurfacePoint>],
+    reach: SearchReach,
+    cancel: &Cancel,
+) -> Result<PoseFit, Cancelled> {
+    let systematic: Vec<_> = points.iter().map(|points| systematic_variance(points)).collect();
+    let in_common = systematic_deviation(points, &systematic);
     let mut distance = reach.first;
     let mut both: Vec<[usize; 2]> = (0..views.len())
         .flat_map(|i| (0..views.len()).map(move |j| [i, j]))
@@ -123,26 +154,34 @@ pub(super) fn align(
             .map(|&[i, j]| cancel.check().map(|()| views[i].pairs(views[j], &points[j], distance)));
         let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
         let (scale, least_noise) = (SCALE * distance, LEAST_NOISE * reach.last);
-        let equations = equations(views, prior, &both, &pairs, scale, least_noise).factored();
+        let certainties = certainties(&systematic, &both, &pairs, scale, least_noise);
+        let equations = equations(views, prior, &both, &pairs, &certainties, scale).factored();
         let Some((step, equations)) = equations.and_then(|equations| Some((equations.step()?, equations)))
         else {
             break;
         };
         let is_settled = distance <= reach.last
             && equations.own_deviation().is_none_or(|shown| prior.adopt_own(shown) < SMALL_CHANGE);
+        let (given_residual, certainty_wrong) =
+            compared_to_given(views, &both, &pairs, &certainties, scale).unzip();
         for (number, (view, motion)) in views.iter_mut().zip(step.motions).enumerate() {
             if !prior.is_exact(number) {
                 view.pose = motion * view.pose;
             }
         }
         prior.given_from_camera = prior.given_from_camera * step.of_shared;
-        let PoseDeviation { position, rotation } = equations.shared_deviation();
+        let shared = equations.shared_deviation();
         let hand_eye = prior.may_share_error.then_some(HandEyeError {
             given_from_camera: prior.given_from_camera,
-            position_deviation: position,
-            rotation_deviation: rotation,
+            position_deviation: shared.position.hypot(in_common.position),
+            rotation_deviation: shared.rotation.hypot(in_common.rotation),
         });
-        fit = PoseFit { residuals: residuals(views.len(), &both, &pairs, scale), hand_eye };
+        fit = PoseFit {
+            residuals: residuals(views.len(), &both, &pairs, scale),
+            hand_eye,
+            given_residual,
+            certainty_wrong: certainty_wrong.unwrap_or(0.0),
+        };
         if is_settled && step.size < SMALL_STEP * reach.last {
             break;
         }
@@ -154,18 +193,95 @@ pub(super) fn align(
     Ok(fit)
 }
 
-/// Returns the equations of these pairs, with robust weights for this scale, and of the prior.
+/// Moves all views that meet others as one, to where their prior puts them on average: the middle of these points
+/// of theirs, and the directions of the cameras. A view that meets no other lies there itself. An exact pose
+/// stays, and with it all others.
+///
+/// Frames determine their poses to each other only. The most likely common place would depend on where errors
+/// of rotation turn about: those of a robot at the camera, those of poses found by markers around the object at
+/// the object. The middle of the points is right for both.
+fn place(views: &mut [&mut JointView], prior: &PosePrior, fit: &PoseFit, points: &[Vec<SurfacePoint>]) {
+    if (0..views.len()).any(|number| prior.is_exact(number)) {
+        return;
+    }
+    let (mut turn, mut n_views, mut middles, mut n_points) = (DVec3::ZERO, 0, [DVec3::ZERO; 2], 0);
+    for (number, (view, points)) in views.iter_mut().zip(points).enumerate() {
+        let mean = prior.mean(number, &view.given);
+        if fit.residuals.get(number).is_none_or(Option::is_none) {
+            view.pose = mean;
+            continue;
+        }
+        turn += difference(&Pose::IDENTITY, &(mean * view.pose.inverse()))[0];
+        n_views += 1;
+        for (sum, pose) in middles.iter_mut().zip([view.pose, mean]) {
+            *sum += points.iter().map(|point| pose.transform_point(point.position)).sum::<DVec3>();
+        }
+        n_points += points.len();
+    }
+    let turn = DQuat::from_scaled_axis(turn / f64::from(n_views.max(1)));
+    let [from, to] = middles.map(|sum| sum / n_points.max(1) as f64);
+    let motion = Pose::new(turn, to - turn * from).expect("finite points have a mean");
+    let meet = views.iter_mut().zip(&fit.residuals).filter(|(_, residual)| residual.is_some());
+    meet.for_each(|(view, _)| view.pose = motion * view.pose);
+}
+
+/// Returns the variance of the error, square metres, that a camera's depths of these points, in its frame, have
+/// in common.
+fn systematic_variance(points: &[SurfacePoint]) -> f64 {
+    let mean = points.iter().map(|point| point.position.z).sum::<f64>() / points.len().max(1) as f64;
+    (SYSTEMATIC * mean * mean).powi(2)
+}
+
+/// Returns the deviation of an error that all views have in common because their depths of these points have errors
+/// of these variances, square metres: such errors move and tilt the surface, as a wrong calibration does.
+fn systematic_deviation(points: &[Vec<SurfacePoint>], systematic: &[f64]) -> PoseDeviation {
+    let tilt_sq = |(points, variance): (&Vec<SurfacePoint>, &f64)| {
+        let middle = points.iter().map(|point| point.position).sum::<DVec3>() / points.len() as f64;
+        let from_middle = |point: &SurfacePoint| (point.position - middle).truncate().length_squared();
+        variance * points.len() as f64 / points.iter().map(from_middle).sum::<f64>()
+    };
+    let mean = |values: &mut dyn Iterator<Item = f64>| {
+        let (n, sum) =
+            values.filter(|value| value.is_finite()).fold((0, 0.0), |(n, sum), v| (n + 1, sum + v));
+        sum / f64::from(n.max(1))
+    };
+    PoseDeviation {
+        position: mean(&mut systematic.iter().copied()).sqrt(),
+        rotation: mean(&mut points.iter().zip(systematic).map(tilt_sq)).sqrt(),
+    }
+}
+
+/// Returns how certain the pairs of every two views are: the inverse of a pair's variance, a square metre, for
+/// robust weights for this scale. Noise has at least a deviation of `least_noise` metres.
+///
+/// More pairs make two views no more certain than their systematic errors allow.
+fn certainties(
+    systematic: &[f64],
+    both: &[[usize; 2]],
+    pairs: &[Vec<Pair>],
+    scale: f64,
+    least_noise: f64,
+) -> Vec<f64> {
+    let most = INDEPENDENT / noise_variance(pairs.iter().flatten(), scale, least_noise);
+    let certainty = |([i, j], pairs): (&[usize; 2], &Vec<Pair>)| {
+        let of_all = most * pairs.iter().map(|pair| pair.weight(scale)).sum::<f64>();
+        most / (1.0 + of_all * (systematic[*i] + systematic[*j]) / PATCHES)
+    };
+    both.iter().zip(pairs).map(certainty).collect()
+}
+
+/// Returns the equations of these pairs, with these certainties and robust weights for this scale, and of the
+/// prior.
 fn equations(
     views: &[&mut JointView],
     prior: &PosePrior,
     both: &[[usize; 2]],
     pairs: &[Vec<Pair>],
+    certainties: &[f64],
     scale: f64,
-    least_noise: f64,
 ) -> JointEquations {
     let mut equations = JointEquations::new(views.len(), pairs.iter().flatten());
-    let certainty = INDEPENDENT / noise_variance(pairs.iter().flatten(), scale, least_noise);
-    for ([i, j], pairs) in both.iter().zip(pairs) {
+    for (([i, j], pairs), certainty) in both.iter().zip(pairs).zip(certainties) {
         pairs.iter().for_each(|pair| equations.add_pair(*i, *j, pair, certainty * pair.weight(scale)));
     }
     for (number, view) in views.iter().enumerate() {
@@ -188,6 +304,35 @@ fn residuals(n_views: usize, both: &[[usize; 2]], pairs: &[Vec<Pair>], scale: f6
         }
     }
     sums.iter().map(|(squares, total)| (*total > 0.0).then(|| (squares / total).sqrt())).collect()
+}
+
+/// Returns the root mean square of the residuals in the given poses, metres, and by how many standard deviations
+/// the alignment improves the fit more than that of exact poses; `None` if there are no pairs. Weights are those
+/// of the residuals in the current poses.
+///
+/// If the given poses are exact, the alignment lowers the sum of the squares, each times its certainty, by a
+/// chi-squared variable with as many degrees of freedom as the poses have to each other.
+fn compared_to_given(
+    views: &[&mut JointView],
+    both: &[[usize; 2]],
+    pairs: &[Vec<Pair>],
+    certainties: &[f64],
+    scale: f64,
+) -> Option<(f64, f64)> {
+    let (mut squares, mut total, mut gain) = (0.0, 0.0, 0.0);
+    let to_given: Vec<Pose> = views.iter().map(|view| view.given * view.pose.inverse()).collect();
+    for (([i, j], pairs), certainty) in both.iter().zip(pairs).zip(certainties) {
+        for pair in pairs {
+            let weight = pair.weight(scale);
+            let apart = to_given[*j].transform_point(pair.point) - to_given[*i].transform_point(pair.known);
+            let given_sq = (to_given[*i].rotation() * pair.normal).dot(apart).powi(2);
+            squares += weight * given_sq;
+            total += weight;
+            gain += certainty * weight * (given_sq - pair.residual().powi(2));
+        }
+    }
+    let freedom = 6.0 * (views.len() as f64 - 1.0);
+    (total > 0.0).then(|| ((squares / total).sqrt(), (gain - freedom) / (2.0 * freedom).sqrt()))
 }
 
 /// Returns the variance of the residuals, square metres, with weights for this scale, at least that of a
@@ -304,6 +449,26 @@ mod tests {
             assert!((3e-4..9e-4).contains(&own), "{own}");
             let residual = fit.residual().unwrap();
             assert!((1e-4..4e-4).contains(&residual), "{residual}");
+        }
+    }
+
+    #[test]
+    fn exact_poses_seem_exact_and_wrong_ones_wrong() {
+        let certainty = |seed: u64, own: f64, n: usize| {
+            let (mut views, _) = views(seed, own, &Pose::IDENTITY);
+            let mut views: Vec<_> = views.iter_mut().take(n).collect();
+            let mut prior = PosePrior::new(&RegistrationConfig::default());
+            align(&mut views, &mut prior, BOUNDS, REACH, &Cancel::default()).unwrap().certainty_wrong
+        };
+        for seed in 0..3 {
+            for n in [2, 3, 4, 8, 12] {
+                let certainty = certainty(seed, 0.0, n);
+                assert!(certainty < 1.0, "{n} views: {certainty}");
+            }
+            for n in [4, 8, 12] {
+                let certainty = certainty(seed, 1e-3, n);
+                assert!(certainty > 3.0, "{n} views: {certainty}");
+            }
         }
     }
 

@@ -119,6 +119,11 @@ impl KnownSurface {
         Self::new(self.config).expect("the configuration was checked")
     }
 
+    /// Returns the number of frames that were added.
+    pub(crate) fn n_frames(&self) -> usize {
+        self.views.len()
+    }
+
     /// Returns the number of known points.
     pub fn n_points(&self) -> usize {
         self.pools.len()

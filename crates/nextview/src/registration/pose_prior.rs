@@ -69,6 +69,17 @@ impl PosePrior {
         }
     }
 
+    /// Returns the prior of poses that share no error, before frames have shown the deviation of their own ones.
+    pub fn without_shared_error(&self) -> Self {
+        Self {
+            own: self.uncertainty.times(OWN),
+            shared: self.uncertainty.times(EXACT),
+            may_share_error: false,
+            given_from_camera: Pose::IDENTITY,
+            ..*self
+        }
+    }
+
     /// Whether the pose of a view is exact.
     pub fn is_exact(&self, view: usize) -> bool {
         self.is_first_exact && view == 0

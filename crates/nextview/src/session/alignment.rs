@@ -37,6 +37,10 @@ struct PoseErrors {
 /// Minimum number of frames that prove anything about the poses of others.
 const LEAST_PROOF: usize = 2;
 
+/// Number of frames after which given poses that agreed are believed: all frames are no longer aligned to learn
+/// whether they are wrong.
+const MOST_COMPARED: usize = 12;
+
 impl Alignment {
     /// Returns an alignment without known surface. Points are pooled in voxels unless configured otherwise.
     /// Fails if the configuration is out of range.
@@ -81,7 +85,16 @@ impl Alignment {
         let known = self.known.as_ref().filter(|known| !self.is_active && known.n_points() > 0);
         let Some((known, bounds)) = known.zip(bounds) else { return Ok(None) };
         let found = known.compare(frame, bounds, cancel)?;
-        Ok(self.agreement.add(&found, self.spacing))
+        let apart = self.agreement.add(&found, self.spacing);
+        if apart.is_some() || known.n_frames() >= MOST_COMPARED {
+            return Ok(apart);
+        }
+        // A single frame is compared with a surface that wrong poses have smeared; all frames with each other
+        // show smaller errors.
+        let mut all = known.clone();
+        all.add(frame, &frame.world_from_camera(), bounds, cancel)?;
+        let realigned = all.realign(bounds, cancel)?;
+        Ok(realigned.and_then(|realigned| realigned.fit.error_of_given(self.spacing)))
     }
 
     /// Aligns a frame; `None` while there is no known surface.
@@ -120,9 +133,7 @@ impl Alignment {
     /// `None` if they stay. Frames from before there was a box are not included.
     pub fn realign(&mut self, bounds: Option<Aabb>, cancel: &Cancel) -> Result<Option<Realigned>, Cancelled> {
         let realigned = match (&mut self.known, bounds) {
-            (Some(known), Some(bounds)) if self.is_active && !self.given.are_right() => {
-                known.realign(bounds, cancel)?
-            }
+            (Some(known), Some(bounds)) if self.is_active => known.realign(bounds, cancel)?,
             _ => None,
         };
         self.fit = realigned.as_ref().map(|realigned| realigned.fit.clone());
