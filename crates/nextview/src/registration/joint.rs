@@ -42,9 +42,9 @@ const INDEPENDENT: f64 = 0.05;
 /// are sampled.
 const LEAST_NOISE: f64 = 0.01;
 
-/// Depth errors that neighbouring points share, per square metre of distance: cameras that triangulate are off in
-/// proportion to the square of the distance. That of a Kinect deviates by 1.425 mm at 1 m (Khoshelham and Elberink,
-/// Sensors 2012), in steps of 2.8 mm.
+/// Depth errors that neighbouring points share, per square metre of distance: cameras that triangulate are
+/// off in proportion to the square of the distance. That of a Kinect deviates by 1.425 mm at 1 m (Khoshelham
+/// and Elberink, Sensors 2012), in steps of 2.8 mm.
 const SYSTEMATIC: f64 = 1.425e-3;
 
 /// Number of patches of the surface that two views both show whose systematic errors count as independent.
@@ -111,8 +111,8 @@ impl JointView {
 
 /// Moves all views to their most likely poses, given what they show in the box (world coordinates) and the
 /// prior of their poses. The error that the poses share and the deviation of their own errors are found as
-/// well. An error that the views do not clearly show is not assumed: it would bend and displace the surface by
-/// chance. Returns how well the views fit together.
+/// well. An error that the views do not clearly show is not assumed: it would bend and displace the surface
+/// by chance. Returns how well the views fit together.
 pub(super) fn align(
     views: &mut [&mut JointView],
     prior: &mut PosePrior,
@@ -193,13 +193,13 @@ fn settle(
     Ok(fit)
 }
 
-/// Moves all views that meet others as one, to where their prior puts them on average: the middle of these points
-/// of theirs, and the directions of the cameras. A view that meets no other lies there itself. An exact pose
-/// stays, and with it all others.
+/// Moves all views that meet others as one, to where their prior puts them on average: the middle of these
+/// points of theirs, and the directions of the cameras. A view that meets no other lies there itself. An
+/// exact pose stays, and with it all others.
 ///
 /// Frames determine their poses to each other only. The most likely common place would depend on where errors
-/// of rotation turn about: those of a robot at the camera, those of poses found by markers around the object at
-/// the object. The middle of the points is right for both.
+/// of rotation turn about: those of a robot at the camera, those of poses found by markers around the object
+/// at the object. The middle of the points is right for both.
 fn place(views: &mut [&mut JointView], prior: &PosePrior, fit: &PoseFit, points: &[Vec<SurfacePoint>]) {
     if (0..views.len()).any(|number| prior.is_exact(number)) {
         return;
@@ -225,34 +225,32 @@ fn place(views: &mut [&mut JointView], prior: &PosePrior, fit: &PoseFit, points:
     meet.for_each(|(view, _)| view.pose = motion * view.pose);
 }
 
-/// Returns the variance of the error, square metres, that a camera's depths of these points, in its frame, have
-/// in common.
+/// Returns the variance of the error, square metres, that a camera's depths of these points, in its frame,
+/// have in common.
 fn systematic_variance(points: &[SurfacePoint]) -> f64 {
     let mean = points.iter().map(|point| point.position.z).sum::<f64>() / points.len().max(1) as f64;
     (SYSTEMATIC * mean * mean).powi(2)
 }
 
-/// Returns the deviation of an error that all views have in common because their depths of these points have errors
-/// of these variances, square metres: such errors move and tilt the surface, as a wrong calibration does.
+/// Returns the deviation of an error that all views have in common because their depths of these points have
+/// errors of these variances, square metres: such errors move and tilt the surface, as a wrong calibration
+/// does.
 fn systematic_deviation(points: &[Vec<SurfacePoint>], systematic: &[f64]) -> PoseDeviation {
     let tilt_sq = |(points, variance): (&Vec<SurfacePoint>, &f64)| {
         let middle = points.iter().map(|point| point.position).sum::<DVec3>() / points.len() as f64;
         let from_middle = |point: &SurfacePoint| (point.position - middle).truncate().length_squared();
         variance * points.len() as f64 / points.iter().map(from_middle).sum::<f64>()
     };
-    let mean = |values: &mut dyn Iterator<Item = f64>| {
-        let (n, sum) =
-            values.filter(|value| value.is_finite()).fold((0, 0.0), |(n, sum), v| (n + 1, sum + v));
-        sum / f64::from(n.max(1))
-    };
+    let showing: Vec<_> = points.iter().zip(systematic).filter(|(points, _)| points.len() > 1).collect();
+    let n = showing.len().max(1) as f64;
     PoseDeviation {
-        position: mean(&mut systematic.iter().copied()).sqrt(),
-        rotation: mean(&mut points.iter().zip(systematic).map(tilt_sq)).sqrt(),
+        position: (showing.iter().map(|(_, variance)| **variance).sum::<f64>() / n).sqrt(),
+        rotation: (showing.into_iter().map(tilt_sq).sum::<f64>() / n).sqrt(),
     }
 }
 
-/// Returns how certain the pairs of every two views are: the inverse of a pair's variance, a square metre, for
-/// robust weights for this scale. Noise has at least a deviation of `least_noise` metres.
+/// Returns how certain the pairs of every two views are: the inverse of a pair's variance, a square metre,
+/// for robust weights for this scale. Noise has at least a deviation of `least_noise` metres.
 ///
 /// More pairs make two views no more certain than their systematic errors allow.
 fn certainties(
@@ -306,9 +304,9 @@ fn residuals(n_views: usize, both: &[[usize; 2]], pairs: &[Vec<Pair>], scale: f6
     sums.iter().map(|(squares, total)| (*total > 0.0).then(|| (squares / total).sqrt())).collect()
 }
 
-/// Returns the root mean square of the residuals in the given poses, metres, and by how many standard deviations
-/// the alignment improves the fit more than that of exact poses; `None` if there are no pairs. Weights are those
-/// of the residuals in the current poses.
+/// Returns the root mean square of the residuals in the given poses, metres, and by how many standard
+/// deviations the alignment improves the fit more than that of exact poses; `None` if there are no pairs.
+/// Weights are those of the residuals in the current poses.
 ///
 /// If the given poses are exact, the alignment lowers the sum of the squares, each times its certainty, by a
 /// chi-squared variable with as many degrees of freedom as the poses have to each other.

@@ -8,8 +8,8 @@ pub struct PoseFit {
     pub residuals: Vec<Option<f64>>,
     /// The error that all given poses share; `None` if they come from alignment, so that none is shared.
     pub hand_eye: Option<HandEyeError>,
-    /// Root mean square distance, metres, of the same surfaces from each other in the given poses; `None` if no
-    /// frames meet.
+    /// Root mean square distance, metres, of the same surfaces from each other in the given poses; `None` if
+    /// no frames meet.
     pub given_residual: Option<f64>,
     /// By how many standard deviations the aligned poses fit better than they would if the given ones were
     /// exact. Negative if they fit as well as by chance.
@@ -22,8 +22,8 @@ pub struct PoseFit {
 pub struct HandEyeError {
     /// The most likely error: a camera's pose is its given one times this, up to the given one's own error.
     pub given_from_camera: Pose,
-    /// Standard deviation of the translation, metres: of the distance from the true one. Errors that the depths
-    /// of all frames have in common count, too.
+    /// Standard deviation of the translation, metres: of the distance from the true one. Errors that the
+    /// depths of all frames have in common count, too.
     pub position_deviation: f64,
     /// Standard deviation of the rotation, radians.
     pub rotation_deviation: f64,
@@ -53,8 +53,8 @@ impl PoseFit {
 
 impl PoseFit {
     /// Returns how far apart the given poses put the same surfaces, metres, if they are wrong: if the frames
-    /// leave no doubt, and alignment removes more of the squared distances than remains, and more than a share
-    /// of a cell of this edge (metres).
+    /// leave no doubt, and alignment removes more of the squared distances than remains, and more than a
+    /// share of a cell of this edge (metres).
     pub(crate) fn error_of_given(&self, spacing: f64) -> Option<f64> {
         let (given, aligned) = (self.given_residual?, self.residual()?);
         let removed_sq = given.powi(2) - aligned.powi(2);

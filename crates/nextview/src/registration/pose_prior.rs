@@ -69,7 +69,8 @@ impl PosePrior {
         }
     }
 
-    /// Returns the prior of poses that share no error, before frames have shown the deviation of their own ones.
+    /// Returns the prior of poses that share no error, before frames have shown the deviation of their own
+    /// ones.
     pub fn without_shared_error(&self) -> Self {
         Self {
             own: self.uncertainty.times(OWN),
