@@ -181,6 +181,7 @@ fn settle(
             hand_eye,
             given_residual,
             certainty_wrong: certainty_wrong.unwrap_or(0.0),
+            systematic: in_common.position,
         };
         if is_settled && step.size < SMALL_STEP * reach.last {
             break;

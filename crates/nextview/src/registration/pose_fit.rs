@@ -14,6 +14,8 @@ pub struct PoseFit {
     /// By how many standard deviations the aligned poses fit better than they would if the given ones were
     /// exact. Negative if they fit as well as by chance.
     pub certainty_wrong: f64,
+    /// Deviation of the depths' errors that pixels share, metres.
+    pub(crate) systematic: f64,
 }
 
 /// The error that all given poses share. For a camera on a robot, this is the error of the hand-eye
@@ -39,6 +41,9 @@ const UNDOUBTEDLY: f64 = 3.0;
 /// Errors of the given poses below this share of a cell do not matter.
 const LEAST_ERROR: f64 = 0.05;
 
+/// Number of deviations of the systematic error up to which the sensor explains what is apart.
+const EXPLAINED: f64 = 3.0;
+
 impl PoseFit {
     /// Returns the root mean square of the frames' residuals, metres; `None` if no frames meet.
     pub fn residual(&self) -> Option<f64> {
@@ -53,12 +58,13 @@ impl PoseFit {
 
 impl PoseFit {
     /// Returns how far apart the given poses put the same surfaces, metres, if they are wrong: if the frames
-    /// leave no doubt, and alignment removes more of the squared distances than remains, and more than a
-    /// share of a cell of this edge (metres).
+    /// leave no doubt, and alignment removes more of the squared distances than remains, than the sensor
+    /// explains, and than a share of a cell of this edge (metres).
     pub(crate) fn error_of_given(&self, spacing: f64) -> Option<f64> {
         let (given, aligned) = (self.given_residual?, self.residual()?);
         let removed_sq = given.powi(2) - aligned.powi(2);
-        let matters = removed_sq > aligned.max(LEAST_ERROR * spacing).powi(2);
+        let explained = (LEAST_ERROR * spacing).max(EXPLAINED * self.systematic);
+        let matters = removed_sq > aligned.max(explained).powi(2);
         (self.certainty_wrong > UNDOUBTEDLY && matters).then_some(given)
     }
 }
@@ -106,11 +112,15 @@ mod tests {
 
     #[test]
     fn given_poses_are_wrong_if_frames_leave_no_doubt_and_it_matters() {
-        let error = |aligned_mm: f64, given_mm: f64, certainty_wrong: f64| {
+        let fit = |aligned_mm: f64, given_mm: f64, certainty_wrong: f64| {
             let residuals = vec![Some(1e-3 * aligned_mm); 2];
             let given_residual = Some(1e-3 * given_mm);
-            PoseFit { residuals, given_residual, certainty_wrong, ..PoseFit::default() }.error_of_given(0.005)
+            PoseFit { residuals, given_residual, certainty_wrong, ..PoseFit::default() }
         };
+        let error =
+            |aligned_mm, given_mm, certainty| fit(aligned_mm, given_mm, certainty).error_of_given(0.005);
+        let blurred = PoseFit { systematic: 2.1e-4, ..fit(0.3, 0.5, 4.0) };
+        assert_eq!(blurred.error_of_given(0.005), None, "what the sensor explains");
         assert_eq!(error(0.3, 0.5, 4.0), Some(0.0005));
         assert_eq!(error(0.3, 0.5, 2.0), None, "by chance");
         assert_eq!(error(0.3, 0.4, 9.0), None, "less than the noise");

@@ -37,8 +37,8 @@ struct PoseErrors {
 /// Minimum number of frames that prove anything about the poses of others.
 const LEAST_PROOF: usize = 2;
 
-/// Number of frames after which given poses that agreed are believed: all frames are no longer aligned to learn
-/// whether they are wrong.
+/// Number of frames after which given poses that agreed are believed: all frames are no longer aligned to
+/// learn whether they are wrong.
 const MOST_COMPARED: usize = 12;
 
 impl Alignment {
